@@ -1,0 +1,161 @@
+"""A binding: the small TOML file that says which FMU variables are a plant's joints, inputs and parameters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.config import Positive, Settings, convert, read_toml
+from pipeline.errors import ConfigError, FmuError
+from pipeline.paths import FMUS
+from pipeline.plant.fmu import Fmu
+
+
+class Joint(Settings):
+    """One joint's variables in the FMU; `*_unit` is what the file's numbers mean, checked against the FMU.
+
+    tau = gain·u: `gain` is a number, or comes with `gain_parameter`, the plant's own parameter that is set to it.
+    position, velocity: what is read in Co-Simulation; position_state, velocity_state: the continuous states (where
+    they bear other names); position_start, velocity_start: what sets the states in initialisation. u_range [the
+    input's unit] is a command well inside every saturation: probing uses a tenth of it.
+    """
+
+    name: str
+    input: str
+    position: str
+    velocity: str
+    input_unit: str
+    position_unit: str
+    velocity_unit: str
+    force_unit: str
+    u_range: Positive
+    position_state: str = ""
+    velocity_state: str = ""
+    position_start: str = ""
+    velocity_start: str = ""
+    gain: float = 1.0
+    gain_parameter: str = ""
+    gain_unit: str = ""
+
+
+class Parameter(Settings):
+    """A parameter to identify: its variable in the FMU (by default its name), unit, a-priori value and scale.
+
+    scale: a typical size, in the parameter's unit: the step of a difference where the a-priori value is 0.
+    """
+
+    name: str
+    unit: str
+    a_priori: float
+    scale: Positive
+    variable: str = ""
+
+
+class Binding(Settings):
+    """A plant as the pipeline sees it: n joints, p parameters, and what else is set before it runs.
+
+    set: always; probe: while the regressor is probed (for example friction so sharp that it is sign()); filter:
+    while the filter runs. Paths in `fmu` are relative to the binding's folder.
+    """
+
+    fmu: str
+    joint: tuple[Joint, ...]
+    parameter: tuple[Parameter, ...]
+    set: dict[str, float] = {}
+    probe: dict[str, float] = {}
+    filter: dict[str, float] = {}
+    folder: str = ""
+
+    @property
+    def path(self) -> Path:
+        """The FMU's file."""
+        return Path(self.folder) / self.fmu
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joint)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters (p,)."""
+        return tuple(p.name for p in self.parameter)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the parameters (p,)."""
+        return tuple(p.unit for p in self.parameter)
+
+    @property
+    def a_priori(self) -> np.ndarray:
+        """A-priori values of the parameters (p,)."""
+        return np.array([p.a_priori for p in self.parameter])
+
+    @property
+    def scale(self) -> np.ndarray:
+        """Typical sizes of the parameters (p,)."""
+        return np.array([p.scale for p in self.parameter])
+
+    @property
+    def gain(self) -> np.ndarray:
+        """Drive gains (n,): tau = gain·u."""
+        return np.array([j.gain for j in self.joint])
+
+    @property
+    def u_range(self) -> np.ndarray:
+        """Commands (n,) well inside every saturation."""
+        return np.array([j.u_range for j in self.joint])
+
+    def gains_to_set(self) -> dict[str, float]:
+        """The drive gains that are the plant's own parameters: {variable: value}."""
+        return {j.gain_parameter: j.gain for j in self.joint if j.gain_parameter}
+
+    def start_values(self, chi: np.ndarray | None = None) -> dict[str, float]:
+        """Everything set in initialisation: `set`, the drive gains, the parameters at chi (p,) (default: a priori)."""
+        chi = self.a_priori if chi is None else chi
+        values = {p.variable or p.name: float(v) for p, v in zip(self.parameter, chi, strict=True)}
+        return {**self.set, **self.gains_to_set(), **values}
+
+
+def load_binding(name_or_path: str, base: Path | None = None) -> Binding:
+    """The binding `fmus/<name>.toml`, or the one in a TOML file (relative to `base`, the experiment's folder)."""
+    path = Path(name_or_path)
+    if path.suffix != ".toml":
+        path = FMUS / f"{name_or_path}.toml"
+    elif base is not None and not path.is_absolute() and not path.is_file():
+        path = base / path
+    if not path.is_file():
+        known = sorted(p.stem for p in FMUS.glob("*.toml"))
+        raise ConfigError(f"{path}: no such binding; known ones are {', '.join(known)}, or give a path to a .toml file")
+    binding = convert({"folder": str(path.parent), **read_toml(path)}, Binding, path.name)
+    names = [j.input for j in binding.joint] + [p.variable or p.name for p in binding.parameter]
+    for name in names:
+        if names.count(name) > 1:
+            raise ConfigError(f"{path.name}: `{name}` is bound twice; each variable can serve once")
+    return binding
+
+
+def check_binding(binding: Binding, file: Fmu) -> None:
+    """Hold the binding against the model description: names, causality, units. Raises FmuError."""
+    for joint in binding.joint:
+        _expect(file, joint.input, "input", joint.input_unit)
+        _expect(file, joint.position, None, joint.position_unit)
+        _expect(file, joint.velocity, None, joint.velocity_unit)
+        if joint.gain_parameter:
+            _expect(file, joint.gain_parameter, "parameter", joint.gain_unit)
+    for parameter in binding.parameter:
+        _expect(file, parameter.variable or parameter.name, "parameter", parameter.unit)
+    for name in (*binding.set, *binding.probe, *binding.filter):
+        file.variable(name)
+
+
+def _expect(file: Fmu, name: str, causality: str | None, unit: str) -> None:
+    variable = file.variable(name)
+    if causality is not None and variable.causality != causality:
+        raise FmuError(f"{file.path.name}: `{name}` is a {variable.causality} there, the binding wants a {causality}")
+    declared = variable.unit or (variable.declaredType.unit if variable.declaredType is not None else None)
+    if declared is not None and declared != unit:
+        raise FmuError(
+            f"{file.path.name}: `{name}`: the FMU says `{declared}`, the binding says `{unit}`; make them one"
+        )

@@ -1,0 +1,114 @@
+"""The inverse model tau = D(q, qd, qdd) chi + y0, probed from the plant FMU: no formula is needed.
+
+qdd is affine in the input, qdd = qdd0 + J tau, so tau(q, qd, qdd; chi) = J⁻¹ (qdd − qdd0); where tau is linear in
+chi, column i of D is a difference of tau over a large step. Both assumptions are tested before D is used.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.errors import IdentificationError
+from pipeline.plant.plant import ModelExchangePlant
+
+TOLERANCE = 1e-9  # of max|tau|: round-off leaves about 1e-13, a wrong model structure far more
+POINTS = 50
+TORQUE_STEP = 0.1  # of the input's range: large against round-off, inside every saturation
+
+
+class InverseModel:
+    """The probed inverse model of a plant with no hidden states, called as `D, y0 = model(q, qd, qdd)`.
+
+    `names` (p,) are the parameters it is linear in; `held` maps the others to the reason; those stay at their
+    a-priori values within y0. Build it with `probe`.
+    """
+
+    def __init__(self, plant: ModelExchangePlant, held: dict[str, str] | None = None):
+        self._plant = plant
+        self._chi0 = plant.binding.a_priori
+        self._delta = np.maximum(np.abs(self._chi0), plant.binding.scale)
+        self.held = held or {}
+        self._active = [i for i, name in enumerate(plant.binding.names) if name not in self.held]
+        self.names = tuple(plant.binding.names[i] for i in self._active)
+
+    def __call__(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """D (N, n, p) and y0 (N, n) such that tau = D chi + y0, at q, qd, qdd (N, n).
+
+        Raises FmuError where an evaluation fails, IdentificationError where the mass matrix is singular.
+        """
+        base = self.torque(q, qd, qdd, self._chi0)
+        D = np.empty((*q.shape, len(self._active)))
+        for column, i in enumerate(self._active):
+            chi = self._chi0.copy()
+            chi[i] += self._delta[i]
+            D[:, :, column] = (self.torque(q, qd, qdd, chi) - base) / self._delta[i]
+        return D, base - D @ self._chi0[self._active]
+
+    def torque(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, chi: np.ndarray) -> np.ndarray:
+        """tau (N, n) that gives the accelerations qdd (N, n) at q, qd (N, n) with parameters chi (p of the plant,)."""
+        gain, step = self._plant.binding.gain, TORQUE_STEP * self._plant.binding.u_range
+        free = self._plant.accelerations(q, qd, np.zeros_like(step), chi)
+        J = np.empty((*q.shape, q.shape[1]))
+        for j in range(q.shape[1]):
+            u = np.zeros_like(step)
+            u[j] = step[j]
+            J[:, :, j] = (self._plant.accelerations(q, qd, u, chi) - free) / (gain[j] * step[j])
+        try:
+            return np.linalg.solve(J, (qdd - free)[..., None])[..., 0]
+        except np.linalg.LinAlgError:
+            raise IdentificationError(
+                "the mass matrix is singular somewhere on the data: check the a-priori values"
+            ) from None
+
+
+def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, seed: int = 0) -> InverseModel:
+    """The inverse model of a plant, its structure tested at points drawn from q, qd, qdd (N, n).
+
+    A parameter that is not linear by itself is held at its a-priori value and named. Raises IdentificationError
+    where the plant has hidden states, where qdd is not affine in the input, or where only the set is not linear.
+    """
+    if plant.h:
+        raise IdentificationError(
+            f"{plant.file.path.name}: {plant.h} hidden states, so no inverse model can be probed: use the filter only"
+        )
+    rng = np.random.default_rng(seed)
+    rows = rng.choice(len(q), size=min(POINTS, len(q)), replace=False)
+    point = (q[rows], qd[rows], qdd[rows])
+    _check_affine(plant, *point)
+    model = InverseModel(plant)
+    held = {
+        name: "the inverse model is not linear in it; held at its a-priori value"
+        for i, name in enumerate(model.names)
+        if _nonlinearity(model, point, np.eye(len(model.names))[i] * rng.uniform(0.3, 0.9)) > TOLERANCE
+    }
+    model = InverseModel(plant, held)
+    defect = _nonlinearity(model, point, rng.uniform(0.1, 0.9, len(model.names)))
+    if defect > TOLERANCE:
+        raise IdentificationError(
+            f"{plant.file.path.name}: the inverse model is not linear in its parameters together (defect {defect:.1e} of "
+            f"max|tau|, allowed {TOLERANCE:.0e}): WLS does not apply; use the filter, or a plant with base parameters"
+        )
+    return model
+
+
+def _nonlinearity(model: InverseModel, point: tuple, relative: np.ndarray) -> float:
+    """|tau(chi0 + Δ) − tau(chi0) − D Δ| / max|tau| for Δ = relative·δ over the active parameters."""
+    chi0, active = model._chi0, model._active
+    change = relative * model._delta[active]
+    chi = chi0.copy()
+    chi[active] += change
+    D, _ = model(*point)
+    base, moved = model.torque(*point, chi0), model.torque(*point, chi)
+    return float(np.max(np.abs(moved - base - D @ change)) / max(np.max(np.abs(moved)), np.max(np.abs(base))))
+
+
+def _check_affine(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> None:
+    """Refuse a plant whose qdd is not affine in u, seen at two amplitudes."""
+    chi, step = plant.binding.a_priori, TORQUE_STEP * plant.binding.u_range
+    free, once, twice = (plant.accelerations(q, qd, k * step, chi) for k in (0.0, 1.0, 2.0))
+    defect = np.max(np.abs(twice - 2.0 * once + free)) / np.max(np.abs(twice - free))
+    if not defect <= TOLERANCE:
+        raise IdentificationError(
+            f"{plant.file.path.name}: the acceleration is not affine in the input (defect {defect:.1e}, allowed "
+            f"{TOLERANCE:.0e}); lower u_range in the binding below every saturation, or use the filter only"
+        )
