@@ -24,8 +24,8 @@ package Units "SI unit types (in the manner of Modelica.Units.SI, so that no oth
   annotation (
     Documentation(info="<html>
 <p>
-Types with quantity and unit for every declaration of the package. Names, quantities and the spelling of the units follow
-the Modelica Standard Library; gains that it has no type for are added at the end.
+Types with quantity and unit for every declaration of the package. Names, quantities and the spelling of the units
+follow the Modelica Standard Library; gains that it has no type for are added at the end.
 </p>
 </html>"));
 end Units;

@@ -12,8 +12,8 @@ equation
   annotation (
     Documentation(info="<html>
 <p>
-tau = sat(Kp (qr &minus; q) + Kd (qdr &minus; v)) with V(s) = s/(Tf s + 1) Q(s), written with the filtered position q_f as
-state. The start value gives v(0) = v_start where q(0) = q_start.
+tau = sat(Kp (qr &minus; q) + Kd (qdr &minus; v)) with V(s) = s/(Tf s + 1) Q(s), written with the filtered position
+q_f as state. The start value gives v(0) = v_start where q(0) = q_start.
 </p>
 </html>"));
 end ContinuousPD;

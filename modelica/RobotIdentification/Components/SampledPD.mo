@@ -13,15 +13,15 @@ equation
   annotation (
     Documentation(info="<html>
 <p>
-tau = sat(Kp (qr &minus; q) + Kd (qdr &minus; v)), held until the next sample. The velocity is the backward Euler form of
-s/(Tf s + 1):
+tau = sat(Kp (qr &minus; q) + Kd (qdr &minus; v)), held until the next sample. The velocity is the backward Euler form
+of s/(Tf s + 1):
 </p>
 <pre>
 v(k) = (Tf v(k-1) + q(k) - q(k-1))/(Tf + samplePeriod)
 </pre>
 <p>
-Before the first sample q(&minus;1) = q_start and v(&minus;1) = v_start: a loop that starts at rest at q_start begins with
-v(0) = 0.
+Before the first sample q(&minus;1) = q_start and v(&minus;1) = v_start: a loop that starts at rest at q_start begins
+with v(0) = 0.
 </p>
 </html>"));
 end SampledPD;

@@ -1,15 +1,8 @@
 within RobotIdentification.Components;
 block TwoLoopController "Sampled two-loop position controller of the EMPS drive"
-  parameter Units.PositionGain kp=160.18 "Gain of the position loop";
-  parameter Units.VelocityGain kv=243.45 "Gain of the velocity loop";
-  parameter Units.Voltage u_max(min=0)=10 "Largest drive command";
+  extends Interfaces.OneJointController;
+  extends Interfaces.TwoLoopGains;
   parameter Units.Time samplePeriod(min=0)=0.001 "Sample period";
-  parameter Units.Position q_start=0 "Position at the first sample";
-  parameter Units.Velocity qd_start=0 "Velocity at the first sample and before";
-  Interfaces.RealInput qr(unit="m") "Reference position";
-  Interfaces.RealInput pulse(unit="V") "Voltage added to the command, inside the limit";
-  Interfaces.RealInput q(unit="m") "Measured position";
-  Interfaces.RealOutput u(unit="V") "Drive command, held between the samples";
   discrete Units.Position q_k(start=q_start - samplePeriod*qd_start, fixed=true) "Position at the last sample";
   discrete Units.Position q_f(start=q_start - 1.5*samplePeriod*qd_start, fixed=true)
     "Mean of the last two positions";
@@ -36,13 +29,13 @@ Two points the publication leaves open were settled on its measured data, by fee
 equations and comparing u with the recorded command:
 </p>
 <ul>
-<li>The pulse enters <b>before</b> the limit. In the run with pulses 14 samples have |u| &gt; 10 V without the pulse and less than
-10 V with it; there the recorded command differs from sat(&hellip; + pulse) by at most 0.015 V, and from
+<li>The pulse enters <b>before</b> the limit. In the run with pulses 14 samples have |u| &gt; 10 V without the pulse
+and less than 10 V with it; there the recorded command differs from sat(&hellip; + pulse) by at most 0.015 V, and from
 sat(&hellip;) + pulse by up to 0.91 V. The height of the pulse is 5.069 V.</li>
-<li>At the first recorded sample the drive is already moving, so the past of the controller is that of a constant velocity:
-q(&minus;1) = q_start &minus; samplePeriod qd_start, q(&minus;2) = q_start &minus; 2 samplePeriod qd_start. The first two recorded
-commands give qd_start = 0.0056 m/s; started from rest, the first command is 1.4 V too large, with qd_start 0.04 V remain at
-the second sample and 0.004 V (rms) from there on.</li>
+<li>At the first recorded sample the drive is already moving, so the past of the controller is that of a constant
+velocity: q(&minus;1) = q_start &minus; samplePeriod qd_start, q(&minus;2) = q_start &minus; 2 samplePeriod qd_start.
+The first two recorded commands give qd_start = 0.0056 m/s; started from rest, the first command is 1.4 V too large,
+with qd_start 0.04 V remain at the second sample and 0.004 V (rms) from there on.</li>
 </ul>
 </html>"));
 end TwoLoopController;

@@ -17,8 +17,8 @@ equation
     experiment(StopTime=5, Interval=0.01),
     Documentation(info="<html>
 <p>
-As <a href=\"modelica://RobotIdentification.Examples.ScaraSampledLoop\">ScaraSampledLoop</a>, with the controller in continuous
-time: the difference between the two is what sampling at 100 Hz costs.
+As <a href=\"modelica://RobotIdentification.Examples.ScaraSampledLoop\">ScaraSampledLoop</a>, with the controller in
+continuous time: the difference between the two is what sampling at 100 Hz costs.
 </p>
 </html>"));
 end ScaraContinuousLoop;

@@ -12,8 +12,9 @@ equation
     experiment(StopTime=5, Interval=0.01),
     Documentation(info="<html>
 <p>
-The robot of Gautier and Poignet, Control Engineering Practice 9 (2001), swings both joints under the PD controller that is
-sampled at 100 Hz. Plot closedLoop.q_1 against reference_1.qr, and closedLoop.tau_1: the torque is held between the samples.
+The robot of Gautier and Poignet, Control Engineering Practice 9 (2001), swings both joints under the PD controller
+that is sampled at 100 Hz. Plot closedLoop.q_1 against reference_1.qr, and closedLoop.tau_1: the torque is held
+between the samples.
 </p>
 </html>"));
 end ScaraSampledLoop;

@@ -5,8 +5,8 @@ model Emps "EMPS drive: command in volts in, position and velocity out"
     experiment(StopTime=1, Interval=0.001),
     Documentation(info="<html>
 <p>
-<a href=\"modelica://RobotIdentification.Plants.Emps\">Plants.Emps</a> for export: the EMPS benchmark of A. Janot, M. Gautier and
-M. Brunot.
+<a href=\"modelica://RobotIdentification.Plants.Emps\">Plants.Emps</a> for export: the EMPS benchmark of A. Janot, M.
+Gautier and M. Brunot.
 </p>
 </html>"));
 end Emps;

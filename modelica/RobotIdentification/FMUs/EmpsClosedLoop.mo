@@ -1,17 +1,9 @@
 within RobotIdentification.FMUs;
 model EmpsClosedLoop "EMPS drive and its two-loop controller: reference and pulse in, motion and command out"
-  parameter Units.Mass M=95 "Equivalent moving mass";
-  parameter Units.TranslationalDamping Fv=200 "Viscous friction";
-  parameter Units.Force Fc=20 "Coulomb friction";
-  parameter Units.Force offset=-3 "Constant force of drive and friction asymmetry";
-  parameter Units.Velocity eps(min=0)=1e-3 "Width of the smoothed Coulomb friction";
-  parameter Units.DriveGain G=1 "Drive gain; neutral here, its value is given where the model is used";
-  parameter Units.PositionGain kp=160.18 "Gain of the position loop";
-  parameter Units.VelocityGain kv=243.45 "Gain of the velocity loop";
-  parameter Units.Voltage u_max(min=0)=10 "Largest drive command";
+  extends Interfaces.EmpsParameters;
+  extends Interfaces.TwoLoopGains;
+  extends Interfaces.OneJointStart;
   parameter Units.Time samplePeriod(min=0)=0.001 "Sample period of the controller";
-  parameter Units.Position q_start=0 "Start value of the position";
-  parameter Units.Velocity qd_start=0 "Start value of the velocity";
   Interfaces.RealInput qr(unit="m") "Reference position";
   Interfaces.RealInput pulse(unit="V") "Voltage added to the command, inside the limit";
   Interfaces.RealOutput q(unit="m") "Position";
@@ -46,8 +38,8 @@ equation
     Documentation(info="<html>
 <p>
 <a href=\"modelica://RobotIdentification.Plants.Emps\">Plants.Emps</a> under
-<a href=\"modelica://RobotIdentification.Components.TwoLoopController\">TwoLoopController</a>: the EMPS benchmark of A. Janot,
-M. Gautier and M. Brunot in closed loop. Plant and controller start from the same position and velocity.
+<a href=\"modelica://RobotIdentification.Components.TwoLoopController\">TwoLoopController</a>: the EMPS benchmark of A.
+Janot, M. Gautier and M. Brunot in closed loop. Plant and controller start from the same position and velocity.
 </p>
 </html>"));
 end EmpsClosedLoop;

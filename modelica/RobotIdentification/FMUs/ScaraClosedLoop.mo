@@ -1,26 +1,9 @@
 within RobotIdentification.FMUs;
 model ScaraClosedLoop "SCARA robot and its sampled PD controller: references in, motion and torques out"
-  parameter Units.Inertia ZZR1=3.42 "Inertia of link 1, regrouped";
-  parameter Units.RotationalDamping Fv1=0.07 "Viscous friction of joint 1";
-  parameter Units.Torque Fs1=0.58 "Coulomb friction of joint 1";
-  parameter Units.Inertia ZZ2=0.064 "Inertia of link 2 about joint 2";
-  parameter Units.Inertia LMX2=0.131 "Length of link 1 times first moment of link 2 along the link";
-  parameter Units.Inertia LMY2=0 "Length of link 1 times first moment of link 2 across the link";
-  parameter Units.RotationalDamping Fv2=0.015 "Viscous friction of joint 2";
-  parameter Units.Torque Fs2=0.156 "Coulomb friction of joint 2";
-  parameter Units.AngularVelocity eps(min=0)=0.01 "Width of the smoothed Coulomb friction";
-  parameter Units.RotationalStiffness Kp_1=250 "Proportional gain of joint 1";
-  parameter Units.RotationalStiffness Kp_2=8 "Proportional gain of joint 2";
-  parameter Units.RotationalDamping Kd_1=45 "Derivative gain of joint 1";
-  parameter Units.RotationalDamping Kd_2=0.9 "Derivative gain of joint 2";
-  parameter Units.Time Tf(min=0)=0.02 "Time constant of the derivative's first-order filter";
-  parameter Units.Torque tau_max_1(min=0)=40 "Largest torque of joint 1";
-  parameter Units.Torque tau_max_2(min=0)=6 "Largest torque of joint 2";
+  extends Interfaces.ScaraParameters;
+  extends Interfaces.TwoJointGains;
+  extends Interfaces.TwoJointStart;
   parameter Units.Time samplePeriod(min=0)=0.01 "Sample period of the controller";
-  parameter Units.Angle q_start_1=0 "Start value of the position of joint 1";
-  parameter Units.Angle q_start_2=0 "Start value of the position of joint 2";
-  parameter Units.AngularVelocity qd_start_1=0 "Start value of the velocity of joint 1";
-  parameter Units.AngularVelocity qd_start_2=0 "Start value of the velocity of joint 2";
   parameter Units.AngularVelocity v_start_1=0 "Start value of the controller's filtered velocity of joint 1";
   parameter Units.AngularVelocity v_start_2=0 "Start value of the controller's filtered velocity of joint 2";
   Interfaces.RealInput qr_1(unit="rad") "Reference position of joint 1";
@@ -80,9 +63,9 @@ equation
     Documentation(info="<html>
 <p>
 <a href=\"modelica://RobotIdentification.Plants.Scara\">Plants.Scara</a> under
-<a href=\"modelica://RobotIdentification.FMUs.ScaraController\">ScaraController</a>: the robot of Gautier and Poignet, Control
-Engineering Practice 9 (2001) 1361&ndash;1372, in closed loop. At each sample the controller reads the position of that instant,
-and its torque acts from that instant on.
+<a href=\"modelica://RobotIdentification.FMUs.ScaraController\">ScaraController</a>: the robot of Gautier and Poignet,
+Control Engineering Practice 9 (2001) 1361&ndash;1372, in closed loop. At each sample the controller reads the
+position of that instant, and its torque acts from that instant on.
 </p>
 </html>"));
 end ScaraClosedLoop;

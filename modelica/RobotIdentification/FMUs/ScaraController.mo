@@ -1,5 +1,5 @@
 within RobotIdentification.FMUs;
-model ScaraController "Sampled PD controller of both joints, 100 Hz"
+block ScaraController "Sampled PD controller of both joints, 100 Hz"
   extends Interfaces.TwoJointController;
   parameter Units.Time samplePeriod(min=0)=0.01 "Sample period";
   Components.SampledPD joint_1(
@@ -31,9 +31,10 @@ equation
     experiment(StopTime=1, Interval=0.01),
     Documentation(info="<html>
 <p>
-Two <a href=\"modelica://RobotIdentification.Components.SampledPD\">SampledPD</a> controllers with saturation, in place of the
-controller that Gautier and Poignet, Control Engineering Practice 9 (2001), do not describe. q_start_i is the position where
-the loop starts: the start of the reference. Then the filtered velocity of the first sample is zero.
+Two <a href=\"modelica://RobotIdentification.Components.SampledPD\">SampledPD</a> controllers with saturation, in
+place of the controller that Gautier and Poignet, Control Engineering Practice 9 (2001), do not describe. q_start_i is
+the position where the loop starts: the start of the reference. Then the filtered velocity of the first sample is
+zero.
 </p>
 </html>"));
 end ScaraController;

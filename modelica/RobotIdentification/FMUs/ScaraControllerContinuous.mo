@@ -1,5 +1,5 @@
 within RobotIdentification.FMUs;
-model ScaraControllerContinuous "Continuous PD controller of both joints"
+block ScaraControllerContinuous "Continuous PD controller of both joints"
   extends Interfaces.TwoJointController;
   Components.ContinuousPD joint_1(
     Kp=Kp_1,
@@ -28,8 +28,8 @@ equation
     experiment(StopTime=1, Interval=0.01),
     Documentation(info="<html>
 <p>
-Two <a href=\"modelica://RobotIdentification.Components.ContinuousPD\">ContinuousPD</a> controllers: the sampled controller in the
-limit of a short sample period.
+Two <a href=\"modelica://RobotIdentification.Components.ContinuousPD\">ContinuousPD</a> controllers: the sampled
+controller in the limit of a short sample period.
 </p>
 </html>"));
 end ScaraControllerContinuous;

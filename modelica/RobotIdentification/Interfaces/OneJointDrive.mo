@@ -1,7 +1,6 @@
 within RobotIdentification.Interfaces;
 partial model OneJointDrive "Ports and start values of a drive with one prismatic joint"
-  parameter Units.Position q_start=0 "Start value of the position";
-  parameter Units.Velocity qd_start=0 "Start value of the velocity";
+  extends OneJointStart;
   RealInput u(unit="V") "Drive command";
   RealOutput q(unit="m") "Position, motor side reduced to the load";
   RealOutput qd(unit="m/s") "Velocity";

@@ -1,9 +1,6 @@
 within RobotIdentification.Interfaces;
 partial model TwoJointPlant "Ports and start values of a robot with two revolute joints"
-  parameter Units.Angle q_start_1=0 "Start value of the position of joint 1";
-  parameter Units.Angle q_start_2=0 "Start value of the position of joint 2";
-  parameter Units.AngularVelocity qd_start_1=0 "Start value of the velocity of joint 1";
-  parameter Units.AngularVelocity qd_start_2=0 "Start value of the velocity of joint 2";
+  extends TwoJointStart;
   RealInput tau_1(unit="N.m") "Motor torque of joint 1, at the load side";
   RealInput tau_2(unit="N.m") "Motor torque of joint 2, at the load side";
   RealOutput q_1(unit="rad") "Position of joint 1";

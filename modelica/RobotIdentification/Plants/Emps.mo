@@ -1,12 +1,7 @@
 within RobotIdentification.Plants;
 model Emps "Electro-mechanical positioning system: one prismatic joint, ball screw and DC motor"
   extends Interfaces.OneJointDrive;
-  parameter Units.Mass M=95 "Equivalent moving mass";
-  parameter Units.TranslationalDamping Fv=200 "Viscous friction";
-  parameter Units.Force Fc=20 "Coulomb friction";
-  parameter Units.Force offset=-3 "Constant force of drive and friction asymmetry";
-  parameter Units.Velocity eps(min=0)=1e-3 "Width of the smoothed Coulomb friction";
-  parameter Units.DriveGain G=1 "Drive gain; neutral here, its value is given where the model is used";
+  extends Interfaces.EmpsParameters;
   Units.Position x(start=q_start, fixed=true) "Position";
   Units.Velocity v(start=qd_start, fixed=true) "Velocity";
   Units.Force F "Force of the drive";
@@ -31,8 +26,8 @@ Workshop on Nonlinear System Identification Benchmarks, 2019):
 G u = M qdd + Fv qd + Fc sign(qd) + offset
 </pre>
 <p>
-with sign(qd) smoothed to tanh(qd/eps). The default values are the published ones, rounded, as an a-priori guess. The drive gain
-G is not a number of this library: it belongs to the drive that is recorded, and is given with its binding.
+with sign(qd) smoothed to tanh(qd/eps). The default values are the published ones, rounded, as an a-priori guess. The
+drive gain G is not a number of this library: it belongs to the drive that is recorded, and is given with its binding.
 </p>
 </html>"));
 end Emps;

@@ -1,15 +1,7 @@
 within RobotIdentification.Plants;
 model Scara "Two-joint SCARA robot in its eight base parameters"
   extends Interfaces.TwoJointPlant;
-  parameter Units.Inertia ZZR1=3.42 "Inertia of link 1, regrouped";
-  parameter Units.RotationalDamping Fv1=0.07 "Viscous friction of joint 1";
-  parameter Units.Torque Fs1=0.58 "Coulomb friction of joint 1";
-  parameter Units.Inertia ZZ2=0.064 "Inertia of link 2 about joint 2";
-  parameter Units.Inertia LMX2=0.131 "Length of link 1 times first moment of link 2 along the link";
-  parameter Units.Inertia LMY2=0 "Length of link 1 times first moment of link 2 across the link";
-  parameter Units.RotationalDamping Fv2=0.015 "Viscous friction of joint 2";
-  parameter Units.Torque Fs2=0.156 "Coulomb friction of joint 2";
-  parameter Units.AngularVelocity eps(min=0)=0.01 "Width of the smoothed Coulomb friction";
+  extends Interfaces.ScaraParameters;
   Components.TwoLinkBody body(
     ZZR1=ZZR1,
     ZZ2=ZZ2,
@@ -39,10 +31,10 @@ equation
   annotation (
     Documentation(info="<html>
 <p>
-The two-joint robot of M. Gautier and Ph. Poignet, Control Engineering Practice 9 (2001) 1361&ndash;1372: rigid body dynamics
-(<a href=\"modelica://RobotIdentification.Components.TwoLinkBody\">TwoLinkBody</a>) and joint friction. The default values are
-the paper's a-priori column, which is the truth of the simulated robot. The paper's inverse model tau = D(q, qd, qdd) chi is
-linear in the eight parameters; this is its direct form.
+The two-joint robot of M. Gautier and Ph. Poignet, Control Engineering Practice 9 (2001) 1361&ndash;1372: rigid body
+dynamics (<a href=\"modelica://RobotIdentification.Components.TwoLinkBody\">TwoLinkBody</a>) and joint friction. The
+default values are the paper's a-priori column, which is the truth of the simulated robot. The paper's inverse model
+tau = D(q, qd, qdd) chi is linear in the eight parameters; this is its direct form.
 </p>
 </html>"));
 end Scara;
