@@ -63,6 +63,7 @@ class ControllerSettings(Settings):
     extra: tuple[str, ...] = ()
     start: dict[str, float] = {}
     position_start: tuple[str, ...] = ()
+    velocity_start: tuple[str, ...] = ()
 
 
 class SimulationSettings(Settings):
@@ -81,25 +82,27 @@ class SimulationSettings(Settings):
     loop: Literal["disturbed", "clean"] = "disturbed"
 
 
-class ColumnSettings(Settings):
-    """One column of a measured file: its name there, its unit there, and a factor (a sign, a gain) applied to it."""
+class Column(Settings):
+    """One column of a measured file: its name and unit there; value = scale · (converted) + offset [our unit]."""
 
-    name: str
+    source: str
     unit: str
-    factor: float = 1.0
+    scale: float = 1.0
+    offset: float = 0.0
 
 
 class DataSettings(Settings):
-    """Measured data: the files, the frame's columns (`time`, `q_1`, `u_1`, `qr_1`, `extra_1` …) and the rate [Hz].
+    """Measured data: the files, the frame's columns (`time`, `q_1`, `u_1`, `qr_1`, `pulse_1` …) and the rate [Hz].
 
-    `extra` columns feed the controller's extra inputs in a re-simulation; `source` says where to get the files.
+    validation_columns come on top of `columns` in the validation file; `pulse_i` feeds the controller's extra inputs in
+    a re-simulation; `source` says where to get the files; `folder` is where they are, unless `--data` says otherwise.
     """
 
     identification: str
     validation: str
     rate: Positive
-    columns: dict[str, ColumnSettings]
-    validation_columns: dict[str, ColumnSettings] = {}
+    columns: dict[str, Column]
+    validation_columns: dict[str, Column] = {}
     source: str = ""
     folder: str = ""
 
@@ -109,13 +112,14 @@ class EkfCase(Settings):
 
     chi0 (p,) or wls_factor: the start, as numbers or as a multiple of the recommended WLS estimate; P0_parameters
     (p,) variances, or P0_relative: the standard deviation as a fraction of |chi0|; R (n,) and Q (2n,): the paper's
-    covariances, needed by the tuning "paper". method and substeps override those of `[ekf]`.
+    covariances, needed by the tuning "paper". P0_state, method and substeps override those of `[ekf]`.
     """
 
     name: str
     tunings: tuple[Literal["paper", "known", "derived"], ...]
     chi0: tuple[float, ...] = ()
     wls_factor: float | None = None
+    P0_state: tuple[Positive, ...] = ()
     P0_parameters: tuple[NotNegative, ...] = ()
     P0_relative: float | None = None
     R: tuple[Positive, ...] = ()
@@ -127,8 +131,8 @@ class EkfCase(Settings):
 class EkfSettings(Settings):
     """The extended Kalman filter: transition, Jacobian, covariance form and the cases to run.
 
-    P0_state (2n,): variances of [qd, q] at the start; differentiate: how far position noise is smoothed when R is
-    derived from the data is in identify/tuning.py.
+    P0_state (2n,): variances of [qd, q] at the start; recommended: the case on which the verdict looks;
+    decimate_history: every how-many-th sample of a run is kept in the record.
     """
 
     P0_state: tuple[Positive, ...]
