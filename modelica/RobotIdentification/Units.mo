@@ -12,7 +12,6 @@ package Units "SI unit types (in the manner of Modelica.Units.SI, so that no oth
   type RotationalStiffness = Real(final quantity="RotationalSpringConstant", final unit="N.m/rad") "Torque per angle";
   type Position = Real(final quantity="Length", final unit="m") "Position along an axis";
   type Velocity = Real(final quantity="Velocity", final unit="m/s") "Velocity";
-  type Acceleration = Real(final quantity="Acceleration", final unit="m/s2") "Acceleration";
   type Mass = Real(final quantity="Mass", final unit="kg") "Mass";
   type Force = Real(final quantity="Force", final unit="N") "Force";
   type TranslationalDamping = Real(final quantity="TranslationalDampingConstant", final unit="N.s/m")

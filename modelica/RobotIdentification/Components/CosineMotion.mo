@@ -5,7 +5,7 @@ block CosineMotion "Reference of a revolute joint that swings from rest: positio
   Interfaces.RealOutput qr(unit="rad") "Reference position";
   Interfaces.RealOutput qdr(unit="rad/s") "Reference velocity";
 protected
-  constant Real pi=3.141592653589793 "Ratio of circumference to diameter";
+  constant Real pi(final unit="1")=3.141592653589793 "Ratio of circumference to diameter";
   parameter Units.AngularVelocity w=2*pi/period "Angular frequency of the swing";
 equation
   qr = amplitude*(1 - cos(w*time));

@@ -4,7 +4,7 @@ block CosineSlide "Reference of a prismatic joint that moves forth and back from
   parameter Units.Time period(min=0) "Duration of one stroke forth and back";
   Interfaces.RealOutput qr(unit="m") "Reference position";
 protected
-  constant Real pi=3.141592653589793 "Ratio of circumference to diameter";
+  constant Real pi(final unit="1")=3.141592653589793 "Ratio of circumference to diameter";
 equation
   qr = amplitude*(1 - cos(2*pi*time/period));
   annotation (
