@@ -1,0 +1,1 @@
+"""Filters, derivatives and decimation of sampled signals."""
