@@ -1,7 +1,6 @@
 """Measured frame → filtered frame → parallel filter."""
 
-from dataclasses import replace
-
+import msgspec
 import numpy as np
 import pandas as pd
 import pytest
@@ -71,6 +70,6 @@ def test_parallel_filter_keeps_a_linear_system_a_linear_system():
     ],
 )
 def test_impossible_settings_are_refused(change, error, message):
-    settings = replace(ZERO_PHASE, **change)
+    settings = msgspec.structs.replace(ZERO_PHASE, **change)
     with pytest.raises(error, match=message):
         parallel_filter(T[:, None], RATE, settings)
