@@ -131,8 +131,7 @@ class EkfCase(Settings):
 class EkfSettings(Settings):
     """The extended Kalman filter: transition, Jacobian, covariance form and the cases to run.
 
-    P0_state (2n,): variances of [qd, q] at the start; recommended: the case on which the verdict looks;
-    decimate_history: every how-many-th sample of a run is kept in the record.
+    P0_state (2n,): variances of [qd, q] at the start; recommended: the estimate that the verdict judges.
     """
 
     P0_state: tuple[Positive, ...]
@@ -143,7 +142,6 @@ class EkfSettings(Settings):
     interface: Literal["ME", "CS"] = "ME"
     jacobian: Literal["forward", "central"] = "forward"
     covariance: Literal["udu", "joseph"] = "udu"
-    decimate_history: Count = 5
 
 
 class ClosedLoopSettings(Settings):
@@ -274,7 +272,7 @@ def _explain(message: str, kind: type[Settings]) -> str:
     unknown = re.search(r"unknown field `(.*?)`", message)
     if unknown is None:
         return message.replace(" - at `$.", " at `")
-    near = get_close_matches(unknown[1], _field_names(kind), n=1, cutoff=0.5)
+    near = get_close_matches(unknown[1], _field_names(kind), n=1, cutoff=0.6)
     place = re.search(r"at `\$\.(.*)`", message)
     hint = f"; did you mean `{near[0]}`?" if near else "; remove it"
     return f"unknown key `{unknown[1]}`{f' in `{place[1]}`' if place else ''}{hint}"

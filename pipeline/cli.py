@@ -1,0 +1,175 @@
+"""The console command `fmuid`. Results go to stdout, narration to stderr; heavy imports stay inside the commands."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+
+from pipeline import __version__
+from pipeline.errors import FmuidError
+
+EXIT_CODES = "exit codes: 0 pass, 1 a limit of the verdict is violated, 2 usage, configuration or data, 3 FMU or simulation, 4 identification"
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run `fmuid`; returns the exit code. Every error a user can meet is one line on stderr."""
+    arguments = _parser().parse_args(argv)
+    try:
+        return arguments.command(arguments) or 0
+    except FmuidError as error:
+        print(f"fmuid: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print("fmuid: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="fmuid",
+        description="Identify a robot's parameters by weighted least squares and by an EKF that calls the plant FMU.",
+        epilog=EXIT_CODES,
+    )
+    parser.add_argument("--version", action="version", version=f"fmuid {__version__}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+
+    build = commands.add_parser("build", help="export the FMUs from the Modelica sources", epilog=EXIT_CODES)
+    build.add_argument("names", nargs="*", metavar="NAME", help="FMUs to build, for example scara (default: all)")
+    build.add_argument("--force", action="store_true", help="build even what is up to date")
+    build.add_argument("--json", action="store_true", help="print the result as JSON")
+    build.set_defaults(command=_build)
+
+    simulate = _experiment_command(commands, "simulate", "simulate the closed loop and write the measured frame as CSV")
+    simulate.add_argument("--validation", action="store_true", help="the validation trajectory instead")
+    simulate.add_argument("--output", metavar="FILE", help="write there (default: stdout)")
+    simulate.set_defaults(command=_simulate)
+
+    identify = _experiment_command(commands, "identify", "identify, and print the estimates without a report")
+    identify.set_defaults(command=_identify)
+
+    run = _experiment_command(commands, "run", "run the whole experiment and write its report")
+    run.add_argument("--output", metavar="DIR", help="folder of the run (default: reports/<run-id>)")
+    run.set_defaults(command=_run)
+
+    report = commands.add_parser("report", help="rebuild a run's page from its record alone", epilog=EXIT_CODES)
+    report.add_argument("run", metavar="RUN", help="the run's folder, or its name in reports/")
+    report.add_argument("--json", action="store_true", help="print the result as JSON")
+    report.set_defaults(command=_report)
+    return parser
+
+
+def _experiment_command(commands, name: str, help_text: str) -> argparse.ArgumentParser:
+    command = commands.add_parser(name, help=help_text, epilog=EXIT_CODES)
+    command.add_argument("experiment", metavar="EXPERIMENT", help="scara, emps, or a path to a .toml file")
+    command.add_argument("--data", metavar="PATH", help="folder of the measured data")
+    command.add_argument("--seed", type=int, help="seed of the noise")
+    command.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a setting, e.g. ekf.substeps=8"
+    )
+    command.add_argument("--json", action="store_true", help="print the result as JSON")
+    return command
+
+
+def _load(arguments: argparse.Namespace):
+    from pipeline.config import load_experiment
+
+    overrides = list(arguments.set)
+    if arguments.seed is not None:
+        overrides.append(f"seed={arguments.seed}")
+    if arguments.data is not None:
+        overrides.append(f"data.folder={json.dumps(arguments.data)}")
+    return load_experiment(arguments.experiment, overrides)
+
+
+def _narrate(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _build(arguments: argparse.Namespace) -> int:
+    from pipeline.export.build import build
+    from pipeline.paths import FMUS
+    from pipeline.plant.binding import gains_of_bindings
+
+    built = build(arguments.names or None, FMUS, gains_of_bindings(), force=arguments.force, report=_narrate)
+    if arguments.json:
+        print(
+            json.dumps(
+                [{"name": b.name, "path": str(b.path), "seconds": b.seconds, "skipped": b.skipped} for b in built]
+            )
+        )
+    else:
+        for b in built:
+            print(f"{b.path}  {'up to date' if b.skipped else f'built in {b.seconds:.1f} s'}")
+    return 0
+
+
+def _simulate(arguments: argparse.Namespace) -> int:
+    from pipeline.experiment import acquire, opened
+
+    experiment, table = _load(arguments)
+    frame = acquire(opened(experiment, table, arguments.experiment), validation=arguments.validation)
+    if arguments.json:
+        print(json.dumps({"time": list(frame.index), **{c: list(frame[c]) for c in frame}}))
+    else:
+        _write_csv(frame, arguments.output)
+    return 0
+
+
+def _write_csv(frame, output: str | None) -> None:
+    from pipeline.errors import DataError
+
+    try:
+        frame.to_csv(output or sys.stdout)
+    except OSError as error:
+        raise DataError(f"{output or 'stdout'}: cannot be written ({error.strerror}); give another --output") from error
+
+
+def _identify(arguments: argparse.Namespace) -> int:
+    from pipeline.experiment import identify, opened
+    from pipeline.report.console import estimates_text
+
+    experiment, table = _load(arguments)
+    record = identify(opened(experiment, table, arguments.experiment), _narrate)
+    print(json.dumps(record["estimates"]) if arguments.json else estimates_text(record))
+    return 0
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from pipeline.experiment import opened, run
+    from pipeline.report.console import verdict_text
+
+    experiment, table = _load(arguments)
+    folder, record = run(opened(experiment, table, arguments.experiment), arguments.output, _narrate)
+    page = folder / "index.html"
+    if arguments.json:
+        print(json.dumps({"report": str(page), "record": str(folder / "result.json"), "verdict": record["verdict"]}))
+    else:
+        print(verdict_text(record))
+        print(page)
+    return exit_code(record)
+
+
+def exit_code(record: dict) -> int:
+    """0 for pass or warn, 1 for fail; a failed stage gives its own code."""
+    if record["errors"]:
+        return record["errors"][0]["exit_code"]
+    return 1 if record["verdict"]["status"] == "fail" else 0
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from pathlib import Path
+
+    from pipeline.paths import REPORTS
+    from pipeline.report.page import write_page
+
+    folder = Path(arguments.run)
+    page = write_page(folder if folder.is_dir() else REPORTS / arguments.run)
+    print(json.dumps({"report": str(page)}) if arguments.json else page)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,120 @@
+"""The data stage: the measured frame, from the closed loop of two FMUs or from a measured file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pipeline.config import Column
+from pipeline.errors import DataError
+from pipeline.paths import FMUS
+from pipeline.simulate.closed_loop import LoopPorts, simulate_closed_loop
+from pipeline.simulate.measured import ColumnSettings, read_measured, with_force
+from pipeline.simulate.sensors import draw_noise
+from pipeline.simulate.trajectory import read_waypoints, reference_frame, sample
+from pipeline.workflow.session import Session
+
+MIN_SAMPLES = 200
+
+
+def acquire(session: Session, validation: bool = False, seed_offset: int = 0) -> pd.DataFrame:
+    """The measured frame of the identification run, or of the validation run."""
+    if session.experiment.data is not None:
+        return read(session, validation)
+    return simulate(session, validation, seed_offset)
+
+
+def simulate(session: Session, validation: bool = False, seed_offset: int = 0, noisy: bool = True) -> pd.DataFrame:
+    """Simulate the closed loop on a stored trajectory; the noise follows from seed and run alone."""
+    settings = session.experiment.simulation
+    reference = reference_of(session, validation)
+    scale = 1.0 if noisy else 0.0
+    rng = np.random.default_rng([session.experiment.seed + seed_offset, int(validation)])
+    sigma_q, sigma_u = (scale * np.array(s) for s in (settings.sigma_q, settings.sigma_u))
+    noise = draw_noise(rng, len(reference), sigma_q, sigma_u, settings.loop)
+    return run_loop(session, reference, session.truth, noise)
+
+
+def reference_of(session: Session, validation: bool = False) -> pd.DataFrame:
+    """The stored trajectory as the controller's reference, sampled at the data's rate."""
+    settings = session.experiment.simulation
+    name = settings.validation if validation else settings.identification
+    return reference_frame(sample(read_waypoints(session.folder / name), settings.rate))
+
+
+def run_loop(session: Session, reference: pd.DataFrame, chi: np.ndarray, noise=None, qd_start=None) -> pd.DataFrame:
+    """The closed loop with plant parameters chi (p,), started on the reference's (or the record's) first position.
+
+    reference: as `simulate_closed_loop` wants it; where it holds a measured `q_i`, the loop starts there.
+    """
+    binding, controller = session.binding, session.experiment.controller
+    n = binding.n
+    first = reference.iloc[0]
+    q_start = [first.get(f"q_{i}", first[f"qr_{i}"]) for i in range(1, n + 1)]
+    qd_start = np.zeros(n) if qd_start is None else qd_start
+    plant_start = {**binding.start_values(chi), **binding.filter}
+    plant_start |= dict(zip((j.position_start for j in binding.joint), q_start, strict=True))
+    plant_start |= dict(zip((j.velocity_start for j in binding.joint), qd_start, strict=True))
+    controller_start = {**controller.start, **dict(zip(controller.position_start, q_start, strict=False))}
+    controller_start |= dict(zip(controller.velocity_start, qd_start, strict=False))
+    columns = [c for c in reference if c.startswith(("qr_", "qdr_", "pulse_"))]
+    return simulate_closed_loop(
+        binding.path,
+        fmu_path(controller.fmu, session.folder),
+        ports_of(session),
+        reference[columns],
+        controller.period,
+        noise,
+        plant_start,
+        controller_start,
+        binding.gain,
+    )
+
+
+def ports_of(session: Session) -> LoopPorts:
+    """The variables that couple plant and controller."""
+    joints, controller = session.binding.joint, session.experiment.controller
+    return LoopPorts(
+        plant_input=[j.input for j in joints],
+        plant_position=[j.position for j in joints],
+        plant_velocity=[j.velocity for j in joints],
+        reference=controller.reference,
+        position=controller.position,
+        output=controller.output,
+        reference_velocity=controller.reference_velocity,
+        extra=controller.extra,
+    )
+
+
+def fmu_path(name: str, folder: Path) -> Path:
+    """The file of an FMU: one of ours by name, or a path (relative to the experiment's folder)."""
+    if not name.endswith(".fmu"):
+        return FMUS / f"{name}.fmu"
+    return Path(name) if Path(name).is_absolute() else folder / name
+
+
+def read(session: Session, validation: bool = False) -> pd.DataFrame:
+    """Read the measured run; DataError where the data are not there says where to get them."""
+    data = session.experiment.data
+    path = Path(data.folder) / (data.validation if validation else data.identification)
+    if not path.is_file():
+        hint = f"; get it from {data.source}" if data.source else ""
+        raise DataError(f"{path}: no such data file{hint}, then give its folder with --data")
+    columns = {**data.columns, **(data.validation_columns if validation else {})}
+    mapped = {name: _mapped(session, name, column) for name, column in columns.items()}
+    return with_force(read_measured(path, mapped, data.rate, MIN_SAMPLES), session.binding.gain)
+
+
+def _mapped(session: Session, name: str, column: Column) -> ColumnSettings:
+    """The column with the unit it is converted to: the binding's, by what the column is."""
+    if name == "time":
+        return ColumnSettings(column.source, column.unit, "s", column.scale, column.offset)
+    quantity, _, joint = name.rpartition("_")
+    if not joint.isdigit() or not 1 <= int(joint) <= session.binding.n:
+        raise DataError(f"data column `{name}`: the plant has joints 1 to {session.binding.n}; name one of them")
+    bound = session.binding.joint[int(joint) - 1]
+    units = {"q": bound.position_unit, "qr": bound.position_unit, "qd": bound.velocity_unit, "qdr": bound.velocity_unit}
+    unit = units.get(quantity, bound.force_unit if quantity == "tau" else bound.input_unit)
+    return ColumnSettings(column.source, column.unit, unit, column.scale, column.offset)

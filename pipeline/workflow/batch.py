@@ -1,0 +1,85 @@
+"""The batch stage: every WLS variant, RLS and the essential parameters, on the regressor probed from the plant FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from time import process_time
+
+import numpy as np
+import pandas as pd
+
+from pipeline.config import WlsSettings
+from pipeline.errors import IdentificationError
+from pipeline.identify.essential import Essential, essential
+from pipeline.identify.regression import Excitation, excitation, regression
+from pipeline.identify.rls import rls
+from pipeline.identify.wls import wls
+from pipeline.plant.plant import open_plant
+from pipeline.plant.probing import InverseModel, probe
+from pipeline.records import FAILED, Estimate, Regression
+from pipeline.signals.frames import filter_frame, joint_columns
+from pipeline.workflow.session import Session
+
+
+@dataclass(frozen=True)
+class Batch:
+    """One WLS variant: its estimate, the filtered frame, the regression and its excitation (None where it failed)."""
+
+    estimate: Estimate
+    filtered: pd.DataFrame
+    regression: Regression | None = None
+    excitation: Excitation | None = None
+
+
+@dataclass(frozen=True)
+class BatchStage:
+    """All variants by name, the recommended one's RLS and essential parameters."""
+
+    variants: dict[str, Batch]
+    recommended: Batch
+    rls: Estimate
+    essential: Essential | None
+
+
+@contextmanager
+def open_inverse_model(session: Session, frame: pd.DataFrame) -> Iterator[InverseModel]:
+    """The probed inverse model, its structure tested on the filtered motion of the measured frame."""
+    n = session.binding.n
+    filtered = filter_frame(frame, n, session.rate, session.recommended)
+    motion = (filtered[joint_columns(c, n)].to_numpy() for c in ("q", "qd", "qdd"))
+    with open_plant(session.binding, "probe") as plant:
+        yield probe(plant, *motion, seed=session.experiment.seed)
+
+
+def run_batch(session: Session, frame: pd.DataFrame, model: InverseModel) -> BatchStage:
+    """Estimate by every WLS variant, and by RLS on the recommended one. Raises IdentificationError where that fails."""
+    variants = {w.name: run_variant(session, frame, model, w) for w in session.experiment.wls}
+    best = variants[session.experiment.recommended]
+    if best.regression is None:
+        raise IdentificationError(best.estimate.reason)
+    units = best.estimate.units
+    try:
+        kept = essential(best.regression, units)
+    except IdentificationError:
+        kept = None
+    return BatchStage(variants, best, rls(best.regression, units), kept)
+
+
+def run_variant(session: Session, frame: pd.DataFrame, model: InverseModel, settings: WlsSettings) -> Batch:
+    """One WLS variant; one that cannot be solved is reported as failed, with its reason."""
+    binding = session.binding
+    unit = dict(zip(binding.names, binding.units, strict=True))
+    a_priori = dict(zip(binding.names, binding.a_priori, strict=True))
+    start = process_time()
+    filtered = filter_frame(frame, binding.n, session.rate, settings)
+    units = tuple(unit[name] for name in model.names)
+    try:
+        system = regression(filtered, binding.n, session.rate, settings, model, model.names)
+        estimate = wls(system, settings.name, units)
+    except IdentificationError as error:
+        nothing = np.full(len(model.names), np.nan)
+        return Batch(Estimate(settings.name, "WLS", model.names, units, nothing, None, FAILED, str(error)), filtered)
+    estimate = replace(estimate, held=dict(model.held), elapsed=process_time() - start)
+    return Batch(estimate, filtered, system, excitation(system, np.array([a_priori[name] for name in model.names])))

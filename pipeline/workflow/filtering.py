@@ -1,0 +1,128 @@
+"""The EKF stage: every case of the experiment with every tuning, through the plant FMU."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import process_time
+
+import numpy as np
+import pandas as pd
+
+from pipeline.config import EkfCase, WlsSettings
+from pipeline.errors import IdentificationError
+from pipeline.identify.ekf import Tuning, run_filter
+from pipeline.identify.tuning import force_noise, position_noise
+from pipeline.plant.plant import open_plant
+from pipeline.records import FAILED, OK, Estimate, FilterRun
+from pipeline.signals.frames import joint_columns
+from pipeline.workflow.session import Session
+
+
+@dataclass(frozen=True)
+class Filtered:
+    """One run of the filter: its estimate, its signals, the prior chi0 (p,), the noise it assumed, what it was set to."""
+
+    estimate: Estimate
+    run: FilterRun
+    chi0: np.ndarray
+    tuning: str
+    settings: dict
+    calls: int
+
+
+def names_of(case: EkfCase) -> dict[str, str]:
+    """Name of the estimate by tuning: the first tuning's run bears the case's bare name."""
+    return {tuning: case.name if i == 0 else f"{case.name} {tuning}" for i, tuning in enumerate(case.tunings)}
+
+
+def run_filters(session: Session, frame: pd.DataFrame, best: Estimate, sigma_rho: np.ndarray) -> dict[str, Filtered]:
+    """Run every case on the measured frame; `best` is the recommended WLS estimate with its residuals sigma_rho (n,)."""
+    return {
+        name: run_case(session, frame, best, sigma_rho, case, tuning, name)
+        for case in session.experiment.ekf.case
+        for tuning, name in names_of(case).items()
+    }
+
+
+def run_case(
+    session: Session, frame: pd.DataFrame, best: Estimate, sigma_rho: np.ndarray, case: EkfCase, tuning: str, name: str
+) -> Filtered:
+    """Run one case with one tuning ("paper", "known" or "derived")."""
+    ekf, binding = session.experiment.ekf, session.binding
+    method, substeps = case.method or ekf.method, case.substeps or ekf.substeps
+    noise = noise_levels(session, frame, sigma_rho, case, tuning)
+    q = frame[joint_columns("q", binding.n)].to_numpy()
+    u = frame[joint_columns("u", binding.n)].to_numpy()
+    chi0, P0 = prior(session, case, best)
+    z0 = np.concatenate([np.zeros(binding.n), q[0], chi0])
+    start = process_time()
+    with open_plant(binding, "filter", ekf.interface, method, substeps) as plant:
+        time = frame.index.to_numpy(dtype=float)
+        run = run_filter(plant, time, q, u, z0, P0, noise, ekf.jacobian, ekf.covariance)
+        calls, interface = plant.calls, plant.interface
+    estimate = _estimate(name, binding, run, chi0, 2 * binding.n, process_time() - start)
+    settings = {
+        "transition": "Euler (Eq. 13)" if method == "euler" else f"RK4, {substeps} sub-steps",
+        "interface": interface,
+        "jacobian": ekf.jacobian,
+        "covariance": ekf.covariance,
+        "R": noise.R.tolist(),
+        "Q": noise.q.tolist(),
+        "process_noise": "on the joint forces" if noise.input_noise else "on the states",
+    }
+    return Filtered(estimate, run, chi0, tuning, settings, calls)
+
+
+def prior(session: Session, case: EkfCase, best: Estimate) -> tuple[np.ndarray, np.ndarray]:
+    """chi0 (p,) and P0 (nx, nx) of a case. Raises IdentificationError where it builds on a WLS that holds parameters."""
+    names = session.binding.names
+    if case.wls_factor is None:
+        chi0 = np.array(case.chi0)
+    elif best.names != names:
+        raise IdentificationError(f"{case.name}: starts from {best.name}, which did not estimate every parameter")
+    else:
+        chi0 = case.wls_factor * best.theta
+    variance = case.P0_parameters or (case.P0_relative * chi0) ** 2
+    state = case.P0_state or session.experiment.ekf.P0_state
+    return chi0, np.diag([*state, *variance])
+
+
+def noise_levels(session: Session, frame: pd.DataFrame, sigma_rho: np.ndarray, case: EkfCase, tuning: str) -> Tuning:
+    """The filter's noise: as the paper printed it, as the simulation made it, or as the data show it."""
+    simulation = session.experiment.simulation
+    if tuning == "paper":
+        return Tuning(np.array(case.R), np.array(case.Q), input_noise=False)
+    if tuning == "known":
+        sigma_tau = np.array(simulation.sigma_u) * session.binding.gain
+        return Tuning(np.array(simulation.sigma_q) ** 2, sigma_tau**2, input_noise=True)
+    settings, rate = session.recommended, session.rate
+    q = frame[joint_columns("q", session.binding.n)].to_numpy()
+    sigma_q = position_noise(q, rate, settings.position.cutoff)
+    sigma_tau = force_noise(sigma_rho, rate, parallel_cutoff(settings, rate))
+    return Tuning(sigma_q**2, sigma_tau**2, input_noise=True)
+
+
+def parallel_cutoff(settings: WlsSettings, rate: float) -> float:
+    """The cut-off (Hz) of the parallel filter; the decimation filter's is 0.8 of the decimated Nyquist frequency."""
+    if settings.parallel.kind == "decimate":
+        return 0.8 * rate / (2.0 * settings.decimation)
+    return settings.parallel.cutoff or rate / 2.0
+
+
+def _estimate(name: str, binding, run: FilterRun, chi0: np.ndarray, ns: int, elapsed: float) -> Estimate:
+    failed = run.failed_at is not None
+    theta = run.x[-1, ns:] if len(run.x) else chi0
+    return Estimate(
+        name,
+        "EKF",
+        binding.names,
+        binding.units,
+        theta,
+        None if failed else run.P[ns:, ns:],
+        FAILED if failed else OK,
+        run.reason,
+        elapsed=elapsed,
+        history_time=run.time,
+        history=run.x[:, ns:],
+        history_sigma=np.sqrt(np.maximum(run.P_diag[:, ns:], 0.0)),
+    )

@@ -1,0 +1,93 @@
+"""An experiment opened: its settings, its binding, and the clock that times its stages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from pipeline.config import Experiment, WlsSettings, find_experiment, load_experiment
+from pipeline.errors import ConfigError
+from pipeline.plant.binding import Binding, load_binding
+
+
+@dataclass(frozen=True)
+class Session:
+    """What every stage needs: the settings, the table they came from, the binding, the folder paths are relative to.
+
+    stages: CPU seconds by stage; narrate: called with a line for the user as each stage ends.
+    """
+
+    experiment: Experiment
+    table: dict
+    binding: Binding
+    folder: Path
+    narrate: Callable[[str], None] = lambda text: None
+    stages: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def rate(self) -> float:
+        """The sample rate of the data in Hz."""
+        source = self.experiment.simulation or self.experiment.data
+        return source.rate
+
+    @property
+    def recommended(self) -> WlsSettings:
+        """The WLS variant that everything else builds on."""
+        return next(w for w in self.experiment.wls if w.name == self.experiment.recommended)
+
+    @property
+    def truth(self) -> np.ndarray | None:
+        """The true parameters (p,) of a simulated plant, or None."""
+        if self.experiment.simulation is None:
+            return None
+        return np.array([self.experiment.simulation.truth[name] for name in self.binding.names])
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Time a stage by CPU seconds and say so when it is done."""
+        start = process_time()
+        yield
+        self.stages[name] = self.stages.get(name, 0.0) + process_time() - start
+        self.narrate(f"  {name:<22}{self.stages[name]:7.2f} s CPU")
+
+
+def open_session(name_or_path: str, overrides=(), narrate: Callable[[str], None] = lambda text: None) -> Session:
+    """Load an experiment with `--set` overrides and its binding, and hold one against the other. Raises ConfigError."""
+    experiment, table = load_experiment(name_or_path, overrides)
+    folder = find_experiment(name_or_path).parent
+    session = Session(experiment, table, load_binding(experiment.plant, folder), folder, narrate)
+    _check_sizes(session)
+    return session
+
+
+def _check_sizes(session: Session) -> None:
+    """One entry per joint, state or parameter, wherever an experiment lists them."""
+    e, n, p = session.experiment, session.binding.n, len(session.binding.names)
+    sized = [("controller.position", e.controller.position, n), ("controller.output", e.controller.output, n)]
+    if e.simulation is not None:
+        sized += [("simulation.sigma_q", e.simulation.sigma_q, n), ("simulation.sigma_u", e.simulation.sigma_u, n)]
+        wrong = set(session.binding.names) ^ set(e.simulation.truth)
+        if wrong:
+            raise ConfigError(f"{e.name}: simulation.truth and the binding's parameters differ in {sorted(wrong)}")
+    if e.ekf is not None:
+        sized.append(("ekf.P0_state", e.ekf.P0_state, 2 * n))
+        for case in e.ekf.case:
+            sized += [
+                (f"{case.name}: {key}", value, size)
+                for key, value, size in (
+                    ("chi0", case.chi0, p),
+                    ("P0_parameters", case.P0_parameters, p),
+                    ("P0_state", case.P0_state, 2 * n),
+                    ("R", case.R, n),
+                    ("Q", case.Q, 2 * n),
+                )
+                if value
+            ]
+    for key, value, size in sized:
+        if len(value) != size:
+            raise ConfigError(f"{e.name}: {key} has {len(value)} entries, the plant asks for {size}; give {size}")
