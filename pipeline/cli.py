@@ -9,7 +9,10 @@ import sys
 from pipeline import __version__
 from pipeline.errors import FmuidError
 
-EXIT_CODES = "exit codes: 0 pass, 1 a limit of the verdict is violated, 2 usage, configuration or data, 3 FMU or simulation, 4 identification"
+EXIT_CODES = (
+    "exit codes: 0 pass, 1 a limit of the verdict is violated, 2 usage, configuration or data, "
+    "3 FMU or simulation, 4 identification"
+)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -73,15 +76,15 @@ def _experiment_command(commands, name: str, help_text: str) -> argparse.Argumen
     return command
 
 
-def _load(arguments: argparse.Namespace):
-    from pipeline.config import load_experiment
+def _session(arguments: argparse.Namespace):
+    from pipeline.workflow.session import open_session
 
     overrides = list(arguments.set)
     if arguments.seed is not None:
         overrides.append(f"seed={arguments.seed}")
     if arguments.data is not None:
         overrides.append(f"data.folder={json.dumps(arguments.data)}")
-    return load_experiment(arguments.experiment, overrides)
+    return open_session(arguments.experiment, overrides, _narrate)
 
 
 def _narrate(text: str) -> None:
@@ -107,10 +110,9 @@ def _build(arguments: argparse.Namespace) -> int:
 
 
 def _simulate(arguments: argparse.Namespace) -> int:
-    from pipeline.experiment import acquire, opened
+    from pipeline.workflow.acquire import acquire
 
-    experiment, table = _load(arguments)
-    frame = acquire(opened(experiment, table, arguments.experiment), validation=arguments.validation)
+    frame = acquire(_session(arguments), validation=arguments.validation)
     if arguments.json:
         print(json.dumps({"time": list(frame.index), **{c: list(frame[c]) for c in frame}}))
     else:
@@ -128,21 +130,19 @@ def _write_csv(frame, output: str | None) -> None:
 
 
 def _identify(arguments: argparse.Namespace) -> int:
-    from pipeline.experiment import identify, opened
     from pipeline.report.console import estimates_text
+    from pipeline.workflow.run import identify
 
-    experiment, table = _load(arguments)
-    record = identify(opened(experiment, table, arguments.experiment), _narrate)
+    record = identify(_session(arguments))
     print(json.dumps(record["estimates"]) if arguments.json else estimates_text(record))
     return 0
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from pipeline.experiment import opened, run
     from pipeline.report.console import verdict_text
+    from pipeline.workflow.run import run
 
-    experiment, table = _load(arguments)
-    folder, record = run(opened(experiment, table, arguments.experiment), arguments.output, _narrate)
+    folder, record = run(_session(arguments), arguments.output)
     page = folder / "index.html"
     if arguments.json:
         print(json.dumps({"report": str(page), "record": str(folder / "result.json"), "verdict": record["verdict"]}))

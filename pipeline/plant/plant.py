@@ -234,7 +234,7 @@ def open_plant(
     method: str = "rk4",
     substeps: int = 4,
 ) -> Iterator[ModelExchangePlant | CoSimulationPlant]:
-    """Open the bound plant for "filter" or for "probe" (which set the binding's values of that name); freed on leaving."""
+    """Open the bound plant with the binding's values for `use`, "filter" or "probe"; it is freed on leaving."""
     kind = {"ME": ModelExchangePlant, "CS": CoSimulationPlant}[interface]
     settings = binding.filter if use == "filter" else binding.probe
     with open_fmu(binding.path) as file, kind(file, binding, settings, method, substeps) as plant:

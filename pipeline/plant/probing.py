@@ -85,8 +85,8 @@ def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndar
     defect = _nonlinearity(model, point, rng.uniform(0.1, 0.9, len(model.names)))
     if defect > TOLERANCE:
         raise IdentificationError(
-            f"{plant.file.path.name}: the inverse model is not linear in its parameters together (defect {defect:.1e} of "
-            f"max|tau|, allowed {TOLERANCE:.0e}): WLS does not apply; use the filter, or a plant with base parameters"
+            f"{plant.file.path.name}: the inverse model is not linear in its parameters together (defect {defect:.1e} "
+            f"of max|tau|, allowed {TOLERANCE:.0e}): WLS does not apply; use the filter, or a plant with base parameters"
         )
     return model
 

@@ -20,7 +20,7 @@ from pipeline.workflow.session import Session
 
 @dataclass(frozen=True)
 class Filtered:
-    """One run of the filter: its estimate, its signals, the prior chi0 (p,), the noise it assumed, what it was set to."""
+    """One run of the filter: its estimate, its signals, the prior chi0 (p,), its tuning and settings."""
 
     estimate: Estimate
     run: FilterRun
@@ -36,7 +36,7 @@ def names_of(case: EkfCase) -> dict[str, str]:
 
 
 def run_filters(session: Session, frame: pd.DataFrame, best: Estimate, sigma_rho: np.ndarray) -> dict[str, Filtered]:
-    """Run every case on the measured frame; `best` is the recommended WLS estimate with its residuals sigma_rho (n,)."""
+    """Run every case on the measured frame; `best` is the recommended WLS with its sigma_rho (n,)."""
     return {
         name: run_case(session, frame, best, sigma_rho, case, tuning, name)
         for case in session.experiment.ekf.case
@@ -74,7 +74,7 @@ def run_case(
 
 
 def prior(session: Session, case: EkfCase, best: Estimate) -> tuple[np.ndarray, np.ndarray]:
-    """chi0 (p,) and P0 (nx, nx) of a case. Raises IdentificationError where it builds on a WLS that holds parameters."""
+    """chi0 (p,) and P0 (nx, nx) of a case. IdentificationError where it needs a WLS that held parameters."""
     names = session.binding.names
     if case.wls_factor is None:
         chi0 = np.array(case.chi0)
