@@ -86,7 +86,7 @@ def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndar
     if defect > TOLERANCE:
         raise IdentificationError(
             f"{plant.file.path.name}: the inverse model is not linear in its parameters together (defect {defect:.1e} "
-            f"of max|tau|, allowed {TOLERANCE:.0e}): WLS does not apply; use the filter, or a plant with base parameters"
+            f"of max|tau|, allowed {TOLERANCE:.0e}): WLS does not apply; use the filter, or a plant in base parameters"
         )
     return model
 
