@@ -61,7 +61,8 @@ def conversion(unit: str, wanted: str) -> float:
 @cache
 def parse(unit: str) -> tuple[float, tuple[int, ...]]:
     """A unit as (factor to SI, exponents of BASE); ConfigError that names the part that is not known."""
-    numerator, slash, denominator = unit.strip().translate(_SPELLING).partition("/")
+    unit = " ".join(unit.split())
+    numerator, slash, denominator = unit.translate(_SPELLING).partition("/")
     bare = denominator.removeprefix("(").removesuffix(")")
     if (slash and not bare) or "/" in bare or ("." in bare and bare == denominator):
         raise ConfigError(f"unit `{unit}` is not understood; write one `/`, and a product below it in brackets")

@@ -109,7 +109,7 @@ def read_csv(path: Path) -> Table:
         rows.pop()
     if not rows:
         raise DataError(f"{path}: the file holds no header; its first row must name the columns")
-    names = [name.strip() for name in rows[0]]
+    names = [" ".join(name.split()) for name in rows[0]]
     _check_header(path, names)
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(names):
@@ -140,13 +140,13 @@ def read_mat(path: Path) -> Table:
 
 
 def _check_header(path: Path, names: list[str]) -> None:
+    if all(_is_number(name) for name in names):
+        raise DataError(f"{path}: row 1 holds numbers, not names; add a header row that names the columns")
     for index, name in enumerate(names):
         if not name:
             raise DataError(f"{path}: column {index + 1} has no name in row 1; name it")
         if name in names[:index]:
             raise DataError(f"{path}: column `{name}` stands twice in row 1; rename one")
-    if all(_is_number(name) for name in names):
-        raise DataError(f"{path}: row 1 holds numbers, not names; add a header row that names the columns")
 
 
 def _number(cell: str) -> float:
