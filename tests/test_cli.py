@@ -1,0 +1,59 @@
+"""The console command as a user meets it: in a process of its own."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+
+def fmuid(*arguments, **options):
+    return subprocess.run(
+        [sys.executable, "-m", "pipeline.cli", *arguments], capture_output=True, text=True, timeout=300, **options
+    )
+
+
+def test_help_names_the_commands_and_loads_nothing_heavy():
+    result = fmuid("--help")
+    assert result.returncode == 0
+    for command in ("build", "simulate", "identify", "run", "report"):
+        assert command in result.stdout
+    loaded = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "pipeline.cli", "--help"], capture_output=True, text=True
+    ).stderr
+    assert not any(f" {heavy}\n" in loaded for heavy in ("numpy", "pandas", "scipy", "fmpy", "bokeh", "msgspec"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["run", "scarra"], 2, "no experiment `scarra`"),
+        (["run", "scara", "--set", "ekf.substep=8"], 2, "did you mean `substeps`?"),
+        (["run", "emps", "--data", "/nowhere"], 2, "no such data file; get it from the EMPS benchmark"),
+        (["report", "nowhere"], 2, "not found"),
+        (["simulate", "scara", "--set", "simulation.identification='none.csv'"], 2, "no such file"),
+    ],
+)
+def test_a_mistake_is_one_line_with_its_exit_code(arguments, code, message):
+    result = fmuid(*arguments)
+    assert result.returncode == code
+    assert result.stderr.startswith("fmuid: ") and message in result.stderr
+    assert result.stderr.count("\n") == 1 and result.stdout == ""
+
+
+def test_a_missing_compiler_is_one_line(tmp_path):
+    environment = {**os.environ, "PATH": str(tmp_path), "CC": ""}
+    result = fmuid("build", "--force", env=environment)
+    assert result.returncode == 3
+    assert result.stderr.startswith("fmuid: ") and "compiler" in result.stderr.splitlines()[-1]
+
+
+def test_simulate_gives_json_and_csv(fmus):
+    result = fmuid("simulate", "scara", "--json")
+    frame = json.loads(result.stdout)
+    assert len(frame["time"]) == len(frame["q_1"]) > 2000
+    table = fmuid("simulate", "scara").stdout.splitlines()
+    assert table[0].startswith("time,q_1,") and len(table) == len(frame["time"]) + 1
+    other = fmuid("simulate", "scara", "--seed", "2").stdout.splitlines()
+    assert other != table

@@ -1,0 +1,96 @@
+"""Experiments and bindings: what is read, and how each mistake is refused."""
+
+import tomllib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.config import Experiment, apply_override, load_experiment, shipped
+from pipeline.errors import ConfigError
+from pipeline.plant.binding import gains_of_bindings, load_binding
+from pipeline.workflow.session import open_session
+
+
+@pytest.mark.parametrize("name", ["scara", "emps"])
+def test_shipped_experiments_load_and_fit_their_bindings(name):
+    session = open_session(name)
+    assert name in shipped()
+    assert session.experiment.name == name
+    assert session.recommended.name == session.experiment.recommended
+
+
+def test_an_override_reaches_its_place():
+    experiment, table = load_experiment(
+        "scara", ["ekf.substeps=8", "wls.WLS(3).decimation=5", "ekf.case.0.method='euler'"]
+    )
+    assert experiment.ekf.substeps == 8 and table["ekf"]["substeps"] == 8
+    assert experiment.wls[2].decimation == 5
+    assert experiment.ekf.case[0].method == "euler"
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("ekf.substep=8", "unknown key `substep` in `ekf`; did you mean `substeps`?"),
+        ("ekf.substeps=0", "Expected `int` >= 1 at `ekf.substeps`"),
+        ("ekf.substeps=eight", "Expected `int`, got `str` at `ekf.substeps`"),
+        ("ekf.method=heun", "Invalid enum value 'heun'"),
+        ("wls.WLS(4).decimation=5", "nothing is called `WLS(4)` there"),
+        ("seed", "want key=value"),
+        ("recommended=WLS(9)", "recommended `WLS(9)` is none of the WLS variants"),
+        ("data.folder='x'", "missing required field"),
+        ("simulation.sigma_q=[0.001]", "simulation.sigma_q has 1 entries, the plant asks for 2"),
+        ("simulation.sigma_q=[0.001, -1]", ">= 0"),
+        ("ekf.case.EKF(2).chi0=[1.0]", "EKF(2): chi0 has 1 entries, the plant asks for 8"),
+        ("plant=nowhere", "no such binding; known ones are emps, scara"),
+    ],
+)
+def test_each_mistake_is_named(override, message):
+    with pytest.raises(ConfigError) as error:
+        open_session("scara", [override])
+    assert message in str(error.value) and "\n" not in str(error.value)
+
+
+def test_an_unknown_experiment_and_a_broken_file_are_named(tmp_path):
+    with pytest.raises(ConfigError, match="no experiment `scarra`; shipped ones are emps, scara"):
+        load_experiment("scarra")
+    with pytest.raises(ConfigError, match="no such experiment file"):
+        load_experiment(str(tmp_path / "mine.toml"))
+    broken = tmp_path / "broken.toml"
+    broken.write_text("title = ")
+    with pytest.raises(ConfigError, match="not a readable TOML file"):
+        load_experiment(str(broken))
+
+
+keys = st.lists(st.text("abcdef_", min_size=1, max_size=5), min_size=1, max_size=4, unique=True)
+
+
+@given(keys, st.one_of(st.integers(), st.booleans(), st.floats(allow_nan=False, allow_infinity=False)))
+def test_any_scalar_override_reads_as_toml_does(path, value):
+    table: dict = {}
+    text = repr(value).lower() if isinstance(value, bool) else repr(value)
+    apply_override(table, f"{'.'.join(path)}={text}")
+    node = table
+    for key in path:
+        node = node[key]
+    assert node == tomllib.loads(f"x = {text}")["x"]
+
+
+def test_settings_are_frozen():
+    experiment, _ = load_experiment("scara")
+    assert isinstance(experiment, Experiment)
+    with pytest.raises(AttributeError):
+        experiment.seed = 3
+
+
+def test_a_variable_bound_twice_is_refused(tmp_path):
+    text = load_binding("scara").path.with_suffix(".toml").read_text()
+    path = tmp_path / "twice.toml"
+    path.write_text(text.replace('name = "Fs2"', 'name = "Fs2"\nvariable = "Fv2"'))
+    with pytest.raises(ConfigError, match="`Fv2` is bound twice"):
+        load_binding(str(path))
+
+
+def test_the_drive_gain_stands_in_the_binding():
+    assert gains_of_bindings() == {"emps": {"G": 35.1507}, "scara": {}}
