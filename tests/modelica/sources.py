@@ -52,3 +52,8 @@ def unit_types() -> dict[str, str]:
         r'^  type (\w+) = Real\(final quantity="\w+", final unit="([^"]+)".*?\) "[^"]+";$', text, re.MULTILINE
     )
     return dict(found)
+
+
+def snake_case(name: str) -> str:
+    """The file name of the FMU of a class: `ScaraClosedLoop` -> `scara_closed_loop`."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()

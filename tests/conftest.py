@@ -1,0 +1,52 @@
+"""Shared fixtures: the built FMUs, opened archives, the measured data."""
+
+import fcntl
+import os
+from pathlib import Path
+
+import pytest
+
+from pipeline.paths import FMUS, ROOT
+
+
+@pytest.fixture(scope="session")
+def fmus():
+    """Folder of the FMUs, built where they are not up to date; one worker builds, the others wait."""
+    from pipeline.export.build import build
+    from pipeline.plant.binding import gains_of_bindings
+
+    folder = os.open(FMUS, os.O_RDONLY)  # the folder itself is the lock: nothing to clean up
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        build(None, FMUS, gains_of_bindings())
+    finally:
+        os.close(folder)
+    return FMUS
+
+
+@pytest.fixture(scope="session")
+def archives(fmus):
+    """`archives(name)`: the FMU of that name, unpacked once per session (tests.export.driver.Archive)."""
+    from tests.export.driver import Archive
+
+    opened = {}
+
+    def archive(name):
+        if name not in opened:
+            opened[name] = Archive(fmus / f"{name}.fmu")
+        return opened[name]
+
+    yield archive
+    for one in opened.values():
+        one.close()
+
+
+@pytest.fixture(scope="session")
+def emps_data():
+    """Folder of the EMPS benchmark's data: FMUID_EMPS_DATA, or shared/data/emps beside the checkout; else skipped."""
+    folder = Path(os.environ.get("FMUID_EMPS_DATA", ROOT.parent / "shared" / "data" / "emps"))
+    if not (folder / "DATA_EMPS.mat").is_file():
+        pytest.skip(
+            f"no EMPS data in {folder}: get it from the benchmark's site, or name its folder in FMUID_EMPS_DATA"
+        )
+    return folder
