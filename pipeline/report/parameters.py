@@ -1,0 +1,233 @@
+"""Tables of parameters: the reference's beside ours, every estimate, and the tunings side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipeline.report.html import Html, tag
+from pipeline.report.run import Run, ok, trusted
+from pipeline.report.text import DASH, estimate, number, plus_minus, short, sigma_text, unit_text
+
+OURS = ("value", "σ", "%σ")
+
+
+def reference_tables(run: Run) -> list[Html]:
+    """Each table of the reference, every column of it followed by ours."""
+    return [_reference_table(run, t) for t in run.reference.get("tables") or []]
+
+
+def _reference_table(run: Run, printed: dict) -> Html:
+    theirs = printed.get("estimates") or {}
+    ours = {name: column.get("ours", name) for name, column in theirs.items()}
+    names = list(run.parameters)
+    top = [tag("th", "", colspan=str(len(_lead_head(run))), scope="colgroup")]
+    head = _lead_head(run)
+    for name in theirs:
+        title = name if ours[name] == name else f"{name} (ours: {ours[name]})"
+        top.append(tag("th", title, colspan="5", scope="colgroup", class_="group"))
+        head.append(tag("th", "printed", scope="col", class_="group"))
+        head += [tag("th", h, scope="col") for h in ("%σ", *("ours" if h == "value" else h for h in OURS))]
+    rows = []
+    for i, p in enumerate(names):
+        cells = _lead(run, p)
+        for name, column in theirs.items():
+            cells += _printed((column.get("parameters") or {}).get(p) or {})
+            cells += _ours(run.estimates.get(ours[name]), p, i, len(names), ours[name])
+        rows.append(tag("tr", cells))
+    caption = (
+        "Printed: as the reference gives it. Good: ours near the truth, or near the a-priori value, by few σ;"
+        " where the reference shows a bias, ours shows the same one. Bad: a value many of its own σ away."
+    )
+    return table(printed.get("title") or "Reference", [top, head], rows, caption)
+
+
+def estimates_table(run: Run) -> Html:
+    """Every estimate of this run as a row, the parameters as columns; a failure's reason stands in their place."""
+    names = list(run.parameters)
+    units = {p: unit_text(about.get("unit", "")) for p, about in run.parameters.items()}
+    head = [tag("th", "Estimate", scope="col")]
+    head += [tag("th", p, tag("small", units[p]), scope="col") for p in names]
+    head.append(tag("th", "σ", scope="col"))
+    rows = []
+    for key, label in (("truth", "truth"), ("a_priori", "a priori")):
+        if any(about.get(key) is not None for about in run.parameters.values()):
+            cells = [_cell(short(about.get(key))) for about in run.parameters.values()]
+            rows.append(tag("tr", tag("th", label, scope="row"), cells, tag("td", ""), class_="aim"))
+    rows += [_estimate_row(n, e, names) for n, e in run.estimates.items()]
+    return table("Every estimate of this run", [head], rows, "Value ± σ, and below it 100 σ/|value|.")
+
+
+def _estimate_row(name: str, found: dict, parameters: list[str]) -> Html:
+    head = tag("th", name, scope="row")
+    if not ok(found):
+        return tag("tr", head, _reason("failed", found.get("reason"), 1, len(parameters) + 1))
+    cells = []
+    for p in parameters:
+        about = (found.get("parameters") or {}).get(p) or {}
+        if about.get("value") is None:
+            cells.append(tag("td", (found.get("held") or {}).get(p) or "not estimated", class_="reason flat"))
+            continue
+        relative = about.get("relative_sigma_percent")
+        small = tag("small", f"{number(relative, 2)} %") if relative is not None and about.get("sigma") else None
+        cells.append(tag("td", plus_minus(about["value"], about.get("sigma")), small))
+    why = found.get("sigma_reason")
+    return tag("tr", head, cells, _reason("withheld", why, 1, 1) if why else tag("td", "shown", class_="text"))
+
+
+def tuning_tables(run: Run) -> list[Html]:
+    """For every filter that ran with more than one tuning, or from more than one start: the runs side by side."""
+    filters = [n for n, e in run.estimates.items() if e.get("method") == "EKF" and not run.is_euler(n)]
+    groups: dict[str, list[str]] = {}
+    for name in filters:
+        groups.setdefault(name.partition(")")[0] + ")", []).append(name)
+    if len(filters) > 1 and not any(names[1:] for names in groups.values()):
+        groups = {"EKF": filters}
+    caption = (
+        "Good: the consistent tunings (known noise; derived from the data) agree and pass NIS and whiteness."
+        " Bad: the answer depends on the tuning. σ is shown only where the tests support it."
+    )
+    return [_tuning_table(run, f"{stem}, side by side", names, caption) for stem, names in groups.items() if names[1:]]
+
+
+def tests_table(run: Run) -> Html | None:
+    """NIS and whiteness of every filter with their bands."""
+    tested = {n: e.get("tests") or {} for n, e in run.estimates.items() if (e.get("tests") or {}).get("NIS")}
+    if not tested:
+        return None
+    joints = range(1, run.joints + 1)
+    head = [tag("th", h, scope="col") for h in ("Filter", "Tuning", "mean NIS", "band", "NIS")]
+    for j in joints:
+        head += [tag("th", h, scope="col") for h in (f"{run.joint_name(j)}: lag 1", "outside", "whiteness")]
+    head.append(tag("th", "σ", scope="col"))
+    rows = [tag("tr", _tests_row(run, n, t, joints)) for n, t in tested.items()]
+    caption = (
+        "Good: mean NIS inside its band and innovations white, then σ may be believed."
+        " NIS alone is not enough: a filter biased by its time step can pass it and fails whiteness."
+    )
+    return table("Consistency of the filters", [head], rows, caption)
+
+
+def _tests_row(run: Run, name: str, tests: dict, joints: Sequence[int]) -> list[Html]:
+    e, nis = run.estimates[name], tests["NIS"]
+    cells = [tag("th", name, scope="row"), tag("td", e.get("tuning") or DASH, class_="text")]
+    cells += [_cell(number(nis.get("mean"))), _cell(f"{number(nis.get('low'), 3)} … {number(nis.get('high'), 3)}")]
+    cells.append(mark(nis.get("ok")))
+    white = {w.get("joint"): w for w in tests.get("whiteness") or []}
+    for j in joints:
+        w = white.get(j) or {}
+        outside = w.get("outside_percent")
+        cells += [_cell(number(w.get("lag1"), 2)), _cell(DASH if outside is None else f"{number(outside, 2)} %")]
+        cells.append(mark(w.get("ok")))
+    cells.append(tag("td", "shown" if trusted(e) else ("failed" if not ok(e) else "withheld"), class_="text"))
+    return cells
+
+
+def _tuning_table(run: Run, title: str, names: list[str], caption: str) -> Html:
+    parameters = list(run.parameters)
+    top = [tag("th", "", colspan=str(len(_lead_head(run))), scope="colgroup")]
+    head = _lead_head(run)
+    for name in names:
+        top.append(tag("th", name, colspan="4", scope="colgroup", class_="group"))
+        head += [tag("th", h, scope="col", class_="group" if h == "start" else None) for h in ("start", *OURS)]
+    rows = []
+    for i, p in enumerate(parameters):
+        cells = _lead(run, p)
+        for name in names:
+            start = ((run.estimates[name].get("parameters") or {}).get(p) or {}).get("start")
+            cells.append(tag("td", short(start), class_="group printed"))
+            cells += _ours(run.estimates[name], p, i, len(parameters), name)
+        rows.append(tag("tr", cells))
+    return table(title, [top, head], rows + _settings_rows(run, names), caption)
+
+
+def _settings_rows(run: Run, names: list[str]) -> list[Html]:
+    """The noise that each tuning assumes: P0, Q and R (diagonals) where the record has them."""
+    settings = [run.estimates[n].get("settings") or {} for n in names]
+    keys = [k for k in ("P0", "Q", "R", "sigma_q", "sigma_tau") if any(s.get(k) is not None for s in settings)]
+    lead = str(len(_lead_head(run)))
+    return [
+        tag(
+            "tr",
+            tag("th", k.replace("sigma_", "σ_"), colspan=lead, scope="row"),
+            [tag("td", _setting(s.get(k)), colspan="4", class_="group setting") for s in settings],
+        )
+        for k in keys
+    ]
+
+
+def _setting(value: object) -> str:
+    if isinstance(value, list):
+        return ", ".join(_setting(v) for v in value)
+    return short(value) if isinstance(value, int | float) else str(DASH if value is None else value)
+
+
+def _truths(run: Run) -> bool:
+    return any(p.get("truth") is not None for p in run.parameters.values())
+
+
+def _lead_head(run: Run) -> list[Html]:
+    heads = ("Parameter", "a priori") + (("truth",) if _truths(run) else ())
+    return [tag("th", h, scope="col") for h in heads]
+
+
+def _lead(run: Run, parameter: str) -> list[Html]:
+    about = run.parameters[parameter]
+    unit = tag("span", unit_text(about.get("unit", "")), class_="unit")
+    cells = [tag("th", parameter, " ", unit, scope="row"), _cell(short(about.get("a_priori")))]
+    return cells + ([_cell(short(about.get("truth")))] if _truths(run) else [])
+
+
+def _printed(parameter: dict) -> list[Html]:
+    return [
+        tag("td", short(parameter.get("value")), class_="group printed"),
+        tag("td", short(parameter.get("relative_sigma_percent")), class_="printed"),
+    ]
+
+
+def _ours(found: dict | None, parameter: str, row: int, rows: int, name: str) -> list[Html]:
+    """The three cells of our estimate; a reason spans all rows where there is no value or no sigma to show."""
+    if found is None:
+        return [_reason("", f"{name} was not run", rows, 3)] if row == 0 else []
+    if not ok(found):
+        return [_reason("failed", found.get("reason"), rows, 3)] if row == 0 else []
+    about = (found.get("parameters") or {}).get(parameter) or {}
+    value, sigma = about.get("value"), about.get("sigma")
+    if value is None:
+        held = (found.get("held") or {}).get(parameter) or "not estimated"
+        cells = [tag("td", held, colspan="1" if found.get("sigma_reason") else "3", class_="reason flat")]
+    else:
+        cells = [_cell(estimate(value, sigma))]
+    if found.get("sigma_reason"):
+        return cells + ([_reason("σ withheld", found["sigma_reason"], rows, 2)] if row == 0 else [])
+    if value is None:
+        return cells
+    relative = about.get("relative_sigma_percent")
+    return [*cells, _cell(sigma_text(sigma)), _cell(number(relative, 3 if relative and relative < 1000 else 2))]
+
+
+def _reason(word: str, why: str | None, rows: int, columns: int) -> Html:
+    text = [tag("b", word), ": " if why else ""] if word else []
+    return tag("td", tag("div", *text, why or ""), rowspan=str(rows), colspan=str(columns), class_="reason")
+
+
+def mark(good: bool | None) -> Html:
+    """A test's outcome in word and sign."""
+    if good is None:
+        return tag("td", DASH, class_="text")
+    return tag("td", "✓ holds" if good else "✗ fails", class_="text good" if good else "text bad")
+
+
+def _cell(text: str) -> Html:
+    return tag("td", text)
+
+
+def table(title: str, heads: list[list[Html]], rows: list[Html], caption: str) -> Html:
+    """A titled table that scrolls in its own box."""
+    inner = tag("table", tag("thead", [tag("tr", h) for h in heads]), tag("tbody", rows))
+    return tag(
+        "figure",
+        tag("h4", title),
+        tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=title),
+        tag("figcaption", caption),
+        class_="sheet",
+    )
