@@ -1,0 +1,37 @@
+"""Numbers as a report prints them: no more figures than they carry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+
+def figures(value: float, digits: int = 3) -> str:
+    """`digits` significant figures, plain notation between 1e-4 and 1e6: 0.0154, 3.42, 57, 1.2e-07."""
+    if not math.isfinite(value):
+        return "not finite"
+    if value == 0.0:
+        return "0"
+    exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    if not -5 < exponent < 6:
+        return f"{value:.{digits - 1}e}"
+    return f"{round(value, digits - 1 - exponent):.{max(0, digits - 1 - exponent)}f}"
+
+
+def with_sigma(value: float, sigma: float | None, unit: str = "") -> str:
+    """value ± sigma, both cut at sigma's second significant figure: 3.4190 ± 0.0084 kg.m2."""
+    if sigma is None or not math.isfinite(sigma) or sigma <= 0.0:
+        return f"{figures(value)} {unit}".rstrip()
+    places = max(0, 1 - math.floor(math.log10(sigma)))
+    return f"{value:.{places}f} ± {sigma:.{places}f} {unit}".rstrip()
+
+
+def listed(names: Sequence[str]) -> str:
+    """a; a and b; a, b and c."""
+    names = list(names)
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else "none"
+
+
+def times(ratio: float) -> str:
+    """A ratio in words: "57 times", "1.6 times"."""
+    return f"{figures(ratio, 2)} times"
