@@ -107,6 +107,10 @@ class Binding(Settings):
         """Commands (n,) well inside every saturation."""
         return np.array([j.u_range for j in self.joint])
 
+    def select(self, values: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+        """The entries of values (p,) that belong to the parameters called `names`, in their order."""
+        return np.array([values[self.names.index(name)] for name in names])
+
     def gains_to_set(self) -> dict[str, float]:
         """The drive gains that are the plant's own parameters: {variable: value}."""
         return {j.gain_parameter: j.gain for j in self.joint if j.gain_parameter}

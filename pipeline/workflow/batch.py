@@ -20,6 +20,7 @@ from pipeline.plant.plant import open_plant
 from pipeline.plant.probing import InverseModel, probe
 from pipeline.records import FAILED, Estimate, Regression
 from pipeline.signals.frames import filter_frame, joint_columns
+from pipeline.simulate.trajectory import read_waypoints, sample
 from pipeline.workflow.session import Session
 
 
@@ -53,6 +54,18 @@ def open_inverse_model(session: Session, frame: pd.DataFrame) -> Iterator[Invers
         yield probe(plant, *motion, seed=session.experiment.seed)
 
 
+def reference_excitation(session: Session, model: InverseModel) -> Excitation:
+    """How well the noise-free reference trajectory excites, weighted by the known noise of a simulated plant."""
+    settings, binding = session.experiment.simulation, session.binding
+    motion = sample(read_waypoints(session.folder / settings.identification), settings.rate)
+    D, _ = model(motion.q, motion.qd, motion.qdd)
+    W = D.transpose(1, 0, 2).reshape(-1, D.shape[2])
+    joint, time = np.repeat(np.arange(binding.n), len(D)), np.tile(motion.t, binding.n)
+    sigma_tau = np.array(settings.sigma_u) * binding.gain
+    system = Regression(W, np.zeros(len(W)), time, joint, model.names, sigma_tau)
+    return excitation(system, binding.select(binding.a_priori, model.names))
+
+
 def run_batch(session: Session, frame: pd.DataFrame, model: InverseModel) -> BatchStage:
     """Estimate by every WLS variant, and by RLS on the recommended one. Raises IdentificationError where that fails."""
     variants = {w.name: run_variant(session, frame, model, w) for w in session.experiment.wls}
@@ -71,7 +84,6 @@ def run_variant(session: Session, frame: pd.DataFrame, model: InverseModel, sett
     """One WLS variant; one that cannot be solved is reported as failed, with its reason."""
     binding = session.binding
     unit = dict(zip(binding.names, binding.units, strict=True))
-    a_priori = dict(zip(binding.names, binding.a_priori, strict=True))
     start = process_time()
     filtered = filter_frame(frame, binding.n, session.rate, settings)
     units = tuple(unit[name] for name in model.names)
@@ -82,4 +94,4 @@ def run_variant(session: Session, frame: pd.DataFrame, model: InverseModel, sett
         nothing = np.full(len(model.names), np.nan)
         return Batch(Estimate(settings.name, "WLS", model.names, units, nothing, None, FAILED, str(error)), filtered)
     estimate = replace(estimate, held=dict(model.held), elapsed=process_time() - start)
-    return Batch(estimate, filtered, system, excitation(system, np.array([a_priori[name] for name in model.names])))
+    return Batch(estimate, filtered, system, excitation(system, binding.select(binding.a_priori, model.names)))

@@ -8,12 +8,13 @@ from time import process_time
 import numpy as np
 import pandas as pd
 
-from pipeline.config import EkfCase, WlsSettings
+from pipeline.config import EkfCase
 from pipeline.errors import IdentificationError
 from pipeline.identify.ekf import Tuning, run_filter
 from pipeline.identify.tuning import force_noise, position_noise
 from pipeline.plant.plant import open_plant
 from pipeline.records import FAILED, OK, Estimate, FilterRun
+from pipeline.signals.filters import cutoff_frequency
 from pipeline.signals.frames import joint_columns
 from pipeline.workflow.session import Session
 
@@ -98,15 +99,9 @@ def noise_levels(session: Session, frame: pd.DataFrame, sigma_rho: np.ndarray, c
     settings, rate = session.recommended, session.rate
     q = frame[joint_columns("q", session.binding.n)].to_numpy()
     sigma_q = position_noise(q, rate, settings.position.cutoff)
-    sigma_tau = force_noise(sigma_rho, rate, parallel_cutoff(settings, rate))
+    cutoff = cutoff_frequency(rate, settings.parallel, settings.decimation)
+    sigma_tau = force_noise(sigma_rho, rate, cutoff)
     return Tuning(sigma_q**2, sigma_tau**2, input_noise=True)
-
-
-def parallel_cutoff(settings: WlsSettings, rate: float) -> float:
-    """The cut-off (Hz) of the parallel filter; the decimation filter's is 0.8 of the decimated Nyquist frequency."""
-    if settings.parallel.kind == "decimate":
-        return 0.8 * rate / (2.0 * settings.decimation)
-    return settings.parallel.cutoff or rate / 2.0
 
 
 def _estimate(name: str, binding, run: FilterRun, chi0: np.ndarray, ns: int, elapsed: float) -> Estimate:

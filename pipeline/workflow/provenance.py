@@ -1,0 +1,75 @@
+"""Where a run came from: everything that it takes to repeat it."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import shlex
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+from pipeline import __version__
+from pipeline.paths import ROOT
+from pipeline.plant.fmu import open_fmu
+from pipeline.workflow.acquire import fmu_path
+from pipeline.workflow.session import Session
+
+PACKAGES = ("fmpy", "numpy", "scipy", "pandas", "filterpy", "control", "casadi", "rumoca", "bokeh")
+
+
+def provenance(session: Session) -> dict:
+    """Command, versions, commit, platform, seed, and the FMUs and data files with their SHA-256."""
+    commit = _git("rev-parse", "HEAD")
+    return {
+        "command": shlex.join(["fmuid", *sys.argv[1:]]),
+        "versions": {"fmuid": __version__, **{name: version(name) for name in PACKAGES}},
+        "commit": commit or None,
+        "dirty": bool(_git("status", "--porcelain", "--untracked-files=no")) if commit else None,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "seed": session.experiment.seed,
+        "fmus": {path.stem: _identity(path) for path in _fmus(session)},
+        "data": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in _data_files(session)},
+    }
+
+
+def plant_entry(session: Session) -> dict:
+    """The plant's FMU as the record's `plant`."""
+    ekf = session.experiment.ekf
+    with open_fmu(session.binding.path) as file:
+        return {
+            "fmu": file.path.name,
+            "sha256": file.sha256,
+            "guid": file.description.guid,
+            "fmi_version": file.description.fmiVersion,
+            "interface": ekf.interface if ekf is not None else "ME",
+            "rung": "A" if ekf is None or ekf.interface == "ME" else "C",
+            "generation_tool": file.description.generationTool,
+        }
+
+
+def _fmus(session: Session) -> list[Path]:
+    return [session.binding.path, fmu_path(session.experiment.controller.fmu, session.folder)]
+
+
+def _identity(path: Path) -> dict:
+    with open_fmu(path) as file:
+        return {"sha256": file.sha256, "guid": file.description.guid}
+
+
+def _data_files(session: Session) -> list[Path]:
+    data, simulation = session.experiment.data, session.experiment.simulation
+    if data is not None:
+        return [Path(data.folder) / name for name in (data.identification, data.validation)]
+    return [session.folder / name for name in (simulation.identification, simulation.validation)]
+
+
+def _git(*arguments: str) -> str:
+    """What git says of the checkout, or "" where there is none."""
+    try:
+        result = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return result.stdout.strip()

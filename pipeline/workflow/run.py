@@ -1,0 +1,123 @@
+"""A whole experiment: data, WLS, EKF, validation, comparison, record, page. A stage that fails still makes a page."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pandas as pd
+
+from pipeline.assess.comparison import findings
+from pipeline.assess.consistency import consistency
+from pipeline.assess.verdict import Item, verdict
+from pipeline.errors import FmuidError
+from pipeline.paths import REPORTS
+from pipeline.plant.probing import InverseModel
+from pipeline.report.page import write_page
+from pipeline.report.record import SCHEMA, write_run
+from pipeline.workflow import record as entries
+from pipeline.workflow.acquire import acquire
+from pipeline.workflow.batch import open_inverse_model, reference_excitation, run_batch
+from pipeline.workflow.filtering import run_filters
+from pipeline.workflow.judging import judge
+from pipeline.workflow.provenance import plant_entry, provenance
+from pipeline.workflow.session import Session
+from pipeline.workflow.validating import validate
+
+
+def run(session: Session, output: str | None = None) -> tuple[Path, dict]:
+    """Run the experiment and write its folder: result.json, signals, index.html. Returns the folder and the record.
+
+    A stage that fails is written into the record's `errors`, and what was found before it stays; only an experiment
+    whose data cannot be had raises, for then there is nothing to report.
+    """
+    created = datetime.now(UTC)
+    run_id = f"{session.experiment.name}-{created:%Y%m%d-%H%M%S}"
+    folder = Path(output) if output else REPORTS / run_id
+    with session.stage("data"):
+        frame, validation_frame = acquire(session), acquire(session, validation=True)
+    record, signals = identify(session, frame, validation_frame)
+    record = {"schema": SCHEMA, "run_id": folder.name, "created": created.isoformat(timespec="seconds"), **record}
+    with session.stage("page"):
+        write_run(folder, record, signals)
+        write_page(folder)
+    return folder, record
+
+
+def identify(
+    session: Session, frame: pd.DataFrame | None = None, validation_frame: pd.DataFrame | None = None
+) -> tuple[dict, dict[str, pd.DataFrame]]:
+    """Everything but the writing: the record and its signals."""
+    if frame is None:
+        with session.stage("data"):
+            frame, validation_frame = acquire(session), acquire(session, validation=True)
+    record = {
+        "title": session.experiment.title,
+        "experiment": entries.experiment_entry(session),
+        "plant": plant_entry(session),
+        "reference": entries.reference_entry(session),
+        "estimates": {},
+        "errors": [],
+    }
+    signals: dict[str, pd.DataFrame] = {"identification": frame}
+    items: list[Item] = []
+    try:
+        with open_inverse_model(session, frame) as model:
+            items = _stages(session, model, frame, validation_frame, record, signals)
+    except FmuidError as error:
+        record["errors"].append({"stage": _running(session), "message": str(error), "exit_code": error.exit_code})
+        items.append(Item(f"stage {_running(session)}", None, None, "fail"))
+    record["verdict"] = verdict(items)
+    record["timing"] = {
+        "stages": dict(session.stages),
+        "estimates": {name: e["elapsed_s"] for name, e in record["estimates"].items()},
+    }
+    record["provenance"] = provenance(session)
+    record["findings"] = findings(record)
+    return record, signals
+
+
+STAGES = ("data", "WLS and RLS", "EKF", "validation")
+
+
+def _running(session: Session) -> str:
+    """The stage that did not end: the first one without a time."""
+    return next((name for name in STAGES if name not in session.stages), STAGES[-1])
+
+
+def _stages(
+    session: Session,
+    model: InverseModel,
+    frame: pd.DataFrame,
+    validation_frame: pd.DataFrame,
+    record: dict,
+    signals: dict[str, pd.DataFrame],
+) -> list[Item]:
+    """Run the stages on the data, filling record and signals as they end; returns the verdict's items."""
+    with session.stage("WLS and RLS"):
+        batch = run_batch(session, frame, model)
+    signals["identification"] = entries.frame_signals(session, frame, batch.recommended.filtered)
+    found, tables = entries.batch_entries(session, batch)
+    record["estimates"] |= found
+    signals |= tables
+    record["excitation"] = entries.excitation_entry(batch.recommended.excitation)
+    if session.experiment.simulation is not None:
+        record["excitation"]["reference"] = entries.excitation_entry(reference_excitation(session, model))
+    filters, tests = {}, {}
+    with session.stage("EKF"):
+        if session.experiment.ekf is not None:
+            best = batch.recommended
+            filters = run_filters(session, frame, best.estimate, best.regression.sigma_rho)
+            tests = {name: consistency(f.run) for name, f in filters.items() if f.run.failed_at is None}
+            filters = {name: entries.with_sigma_reason(f, tests.get(name)) for name, f in filters.items()}
+    found, tables = entries.filter_entries(session, filters, tests)
+    record["estimates"] |= found
+    signals |= tables
+    with session.stage("validation"):
+        estimates = {name: b.estimate for name, b in batch.variants.items()}
+        estimates |= {name: f.estimate for name, f in filters.items()}
+        validation = validate(session, model, batch, estimates, frame, validation_frame)
+    record["validation"] = entries.validation_entry(validation)
+    signals["validation"] = entries.prediction_signals(validation)
+    signals |= {f"closed_loop_{name}": loop for name, loop in validation.loops.items()}
+    return judge(session, batch, filters, tests, validation)
