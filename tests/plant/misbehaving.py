@@ -54,34 +54,13 @@ int fmi2DoStep(void *c, double t, double h, int no) {
     return t >= model.v[2] ? (int)model.v[3] : 0;
 }
 """
-STUBS = [
-    "SetDebugLogging",
-    "SetupExperiment",
-    "EnterInitializationMode",
-    "Terminate",
-    "Reset",
-    "GetInteger",
-    "GetBoolean",
-    "GetString",
-    "SetInteger",
-    "SetBoolean",
-    "SetString",
-    "GetFMUstate",
-    "SetFMUstate",
-    "FreeFMUstate",
-    "SerializedFMUstateSize",
-    "SerializeFMUstate",
-    "DeSerializeFMUstate",
-    "GetDirectionalDerivative",
-    "SetRealInputDerivatives",
-    "GetRealOutputDerivatives",
-    "CancelStep",
-    "GetStatus",
-    "GetRealStatus",
-    "GetIntegerStatus",
-    "GetBooleanStatus",
-    "GetStringStatus",
-]
+STUBS = (
+    "SetDebugLogging SetupExperiment EnterInitializationMode Terminate Reset GetInteger GetBoolean GetString "
+    "SetInteger SetBoolean SetString GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize "
+    "SerializeFMUstate DeSerializeFMUstate GetDirectionalDerivative SetRealInputDerivatives "
+    "GetRealOutputDerivatives CancelStep GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus "
+    "GetStringStatus"
+)
 PLATFORM = {"linux": ("linux64", "so"), "darwin": ("darwin64", "dylib")}
 
 
@@ -92,7 +71,7 @@ def build_misbehaving(folder: Path) -> Path | None:
         return None
     system, suffix = PLATFORM[sys.platform]
     source, library = folder / "misbehaving.c", folder / f"misbehaving.{suffix}"
-    source.write_text(SOURCE + "".join(f"int fmi2{name}() {{ return 0; }}\n" for name in STUBS))
+    source.write_text(SOURCE + "".join(f"int fmi2{name}() {{ return 0; }}\n" for name in STUBS.split()))
     subprocess.run([compiler, "-shared", "-fPIC", "-w", "-o", library, source, "-lm"], check=True)
     with zipfile.ZipFile(folder / "misbehaving.fmu", "w") as archive:
         archive.writestr("modelDescription.xml", DESCRIPTION)
