@@ -11,7 +11,7 @@ from pathlib import Path
 
 from bokeh.resources import Resources
 
-from pipeline.report import checks, convergence, motion, parameters, provenance, summary
+from pipeline.report import checks, convergence, motion, parameters, provenance, summary, tests
 from pipeline.report.html import Html, join, script_data, tag
 from pipeline.report.intervals import interval_plots
 from pipeline.report.panels import Panel, Store
@@ -111,20 +111,25 @@ def _sections(run: Run, store: Store) -> Iterable[Section | None]:
     )
     yield _section("euler", "Bias of the Euler step", _euler(run), grid(convergence.euler_panels(run)))
     yield _section(
-        "validation", f"{run.force} prediction", provenance.validation(run), grid(checks.prediction_panels(run))
+        "validation",
+        f"{run.force} prediction",
+        provenance.validation(run),
+        provenance.own_filters(run),
+        grid(checks.prediction_panels(run)),
     )
     batch = run.by_method("WLS")
     best = run.recommended
     yield _section(
         "residuals",
         "Residuals of the least squares",
+        tests.residual_tests(run),
         grid(checks.residual_panels(run, best), "panels three") if best in batch else None,
         [folded(f"Residuals of {n}", checks.residual_panels(run, n), "panels three") for n in batch if n != best],
     )
     yield _section(
         "innovations",
         "Innovations of the filters",
-        parameters.tests_table(run),
+        tests.filter_tests(run),
         [folded(f"Innovations of {n}", checks.innovation_panels(run, n)) for n in run.by_method("EKF")],
     )
     yield _section(

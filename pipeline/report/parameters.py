@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from pipeline.report.html import Html, tag
-from pipeline.report.run import Run, ok, trusted
+from pipeline.report.run import Run, ok
 from pipeline.report.text import DASH, estimate, number, plus_minus, short, sigma_text, unit_text
 
 OURS = ("value", "σ", "%σ")
@@ -87,39 +85,6 @@ def tuning_tables(run: Run) -> list[Html]:
         " Bad: the answer depends on the tuning. σ is shown only where the tests support it."
     )
     return [_tuning_table(run, f"{stem}, side by side", names, caption) for stem, names in groups.items() if names[1:]]
-
-
-def tests_table(run: Run) -> Html | None:
-    """NIS and whiteness of every filter with their bands."""
-    tested = {n: e.get("tests") or {} for n, e in run.estimates.items() if (e.get("tests") or {}).get("NIS")}
-    if not tested:
-        return None
-    joints = range(1, run.joints + 1)
-    head = [tag("th", h, scope="col") for h in ("Filter", "Tuning", "mean NIS", "band", "NIS")]
-    for j in joints:
-        head += [tag("th", h, scope="col") for h in (f"{run.joint_name(j)}: lag 1", "outside", "whiteness")]
-    head.append(tag("th", "σ", scope="col"))
-    rows = [tag("tr", _tests_row(run, n, t, joints)) for n, t in tested.items()]
-    caption = (
-        "Good: mean NIS inside its band and innovations white, then σ may be believed."
-        " NIS alone is not enough: a filter biased by its time step can pass it and fails whiteness."
-    )
-    return table("Consistency of the filters", [head], rows, caption)
-
-
-def _tests_row(run: Run, name: str, tests: dict, joints: Sequence[int]) -> list[Html]:
-    e, nis = run.estimates[name], tests["NIS"]
-    cells = [tag("th", name, scope="row"), tag("td", e.get("tuning") or DASH, class_="text")]
-    cells += [_cell(number(nis.get("mean"))), _cell(f"{number(nis.get('low'), 3)} … {number(nis.get('high'), 3)}")]
-    cells.append(mark(nis.get("ok")))
-    white = {w.get("joint"): w for w in tests.get("whiteness") or []}
-    for j in joints:
-        w = white.get(j) or {}
-        outside = w.get("outside_percent")
-        cells += [_cell(number(w.get("lag1"), 2)), _cell(DASH if outside is None else f"{number(outside, 2)} %")]
-        cells.append(mark(w.get("ok")))
-    cells.append(tag("td", "shown" if trusted(e) else ("failed" if not ok(e) else "withheld"), class_="text"))
-    return cells
 
 
 def _tuning_table(run: Run, title: str, names: list[str], caption: str) -> Html:
@@ -208,13 +173,6 @@ def _ours(found: dict | None, parameter: str, row: int, rows: int, name: str) ->
 def _reason(word: str, why: str | None, rows: int, columns: int) -> Html:
     text = [tag("b", word), ": " if why else ""] if word else []
     return tag("td", tag("div", *text, why or ""), rowspan=str(rows), colspan=str(columns), class_="reason")
-
-
-def mark(good: bool | None) -> Html:
-    """A test's outcome in word and sign."""
-    if good is None:
-        return tag("td", DASH, class_="text")
-    return tag("td", "✓ holds" if good else "✗ fails", class_="text good" if good else "text bad")
 
 
 def _cell(text: str) -> Html:

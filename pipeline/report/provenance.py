@@ -68,6 +68,24 @@ def validation(run: Run) -> Html | None:
     return table("Relative error", [top, head], rows, caption)
 
 
+def own_filters(run: Run) -> Html | None:
+    """Total errors of each batch estimate on regressions filtered its own way, beside the published ones."""
+    found = (run.record.get("validation") or {}).get("own_filters") or {}
+    if not found:
+        return None
+    runs = list(dict.fromkeys(k for errors in found.values() for k in errors))
+    rows = [_row(n, [_percent(errors.get(k)) for k in runs]) for n, errors in found.items()]
+    published = run.reference.get("force_error_percent")
+    if published:
+        rows.append(_row("as printed", [_percent(published.get(k)) for k in runs]))
+    head = [tag("th", h, scope="col") for h in ("Estimate", *(f"{k} run" for k in runs))]
+    caption = (
+        "Total relative error where data and regressor are filtered as that estimate filters them. Good for comparing"
+        " with printed figures; not for ranking the estimates, since a harder filter leaves less to explain."
+    )
+    return table("Relative error, each estimate on its own filters", [head], rows, caption)
+
+
 def closed_loop(run: Run) -> Html | None:
     """Relative differences of the simulated closed loop, by run and signal."""
     found = (run.record.get("validation") or {}).get("closed_loop") or {}
@@ -75,6 +93,8 @@ def closed_loop(run: Run) -> Html | None:
         return None
     signals = list(dict.fromkeys(s for errors in found.values() for s in errors))
     rows = [_row(f"{k} run", [_percent(errors.get(s)) for s in signals]) for k, errors in found.items()]
+    for k, errors in (run.reference.get("closed_loop") or {}).items():
+        rows.append(_row(f"{k} run, as printed", [_percent(errors.get(s)) for s in signals]))
     head = [tag("th", h, scope="col") for h in ("", *signals)]
     caption = (
         "Relative difference of measurement and simulation. Good: position far below velocity, velocity below force."
@@ -136,13 +156,15 @@ def origin(run: Run) -> Html:
         ("Run", f"{run.record['run_id']}, {run.record.get('created') or 'undated'}"),
         ("Commit", f"{commit or 'unknown'}{' with uncommitted changes' if source.get('dirty') else ''}"),
         ("Seed", str(source.get("seed", experiment.get("seed", DASH)))),
-        ("Data", f"{experiment.get('kind', '')}, {run.reference.get('source') or ''}".strip(", ")),
+        ("Data", experiment.get("kind") or DASH),
+        ("Compared with", run.reference.get("source") or DASH),
         *(
             (f"Plant: {k.replace('_', ' ')}", short(v) if isinstance(v, float) else str(v))
             for k, v in plant.items()
             if v
         ),
         *((f"FMU {k}", tag("code", _fmu(v))) for k, v in (source.get("fmus") or {}).items()),
+        *((f"Data {k}", tag("code", f"sha256 {v}")) for k, v in (source.get("data") or {}).items()),
         ("Python", f"{source.get('python') or DASH}, {source.get('platform') or ''}".strip(", ")),
         ("Packages", ", ".join(f"{k} {v}" for k, v in (source.get("versions") or {}).items()) or DASH),
     ]

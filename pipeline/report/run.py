@@ -69,12 +69,14 @@ class Run:
     def joint_name(self, joint: int) -> str:
         """The name of joint 1…n."""
         names = self.record["experiment"].get("joint_names") or []
-        return str(names[joint - 1]) if joint <= len(names) else f"Joint {joint}"
+        name = str(names[joint - 1]) if joint <= len(names) else f"joint {joint}"
+        return name[:1].upper() + name[1:]
 
     def table(self, name: str) -> pd.DataFrame | None:
-        """The signals of an estimate."""
+        """The signals of an estimate; None where there are none to draw, as of a filter that failed at once."""
         path = self.estimates[name].get("signals")
-        return self.signals.get(Path(path).stem) if path else None
+        table = self.signals.get(Path(path).stem) if path else None
+        return table if table is not None and len(table) > 1 else None
 
     def by_method(self, method: str) -> list[str]:
         """Names of the estimates of a method that have signals."""
@@ -95,7 +97,10 @@ class Run:
     def is_euler(self, name: str) -> bool:
         """Whether a filter steps the plant by Eq. 13 (Euler) instead of RK4."""
         settings = self.estimates[name].get("settings") or {}
-        return str(settings.get("transition", settings.get("integrator", ""))).lower() == "euler" or "Euler" in name
+        return (
+            str(settings.get("transition", settings.get("integrator", ""))).lower().startswith("euler")
+            or "Euler" in name
+        )
 
     def colour(self, name: str) -> str:
         """A colour of its own for every estimate that is drawn over time."""

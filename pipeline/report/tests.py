@@ -1,0 +1,77 @@
+"""Tables of the tests: NIS and whiteness of the filters, residuals of the least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipeline.report.html import Html, tag
+from pipeline.report.parameters import table
+from pipeline.report.run import Run, ok, trusted
+from pipeline.report.text import DASH, number, unit_text
+
+
+def filter_tests(run: Run) -> Html | None:
+    """NIS and whiteness of every filter with their bands."""
+    tested = {n: e.get("tests") or {} for n, e in run.estimates.items() if (e.get("tests") or {}).get("NIS")}
+    if not tested:
+        return None
+    joints = range(1, run.joints + 1)
+    head = [tag("th", h, scope="col") for h in ("Filter", "Tuning", "mean NIS", "band", "NIS")]
+    for j in joints:
+        head += [tag("th", h, scope="col") for h in (f"{run.joint_name(j)}: lag 1", "outside", "whiteness")]
+    head.append(tag("th", "σ", scope="col"))
+    rows = [tag("tr", _filter_row(run, n, t, joints)) for n, t in tested.items()]
+    caption = (
+        "Good: mean NIS inside its band and innovations white, then σ may be believed."
+        " NIS alone is not enough: a filter biased by its time step can pass it and fails whiteness."
+    )
+    return table("Consistency of the filters", [head], rows, caption)
+
+
+def _filter_row(run: Run, name: str, tests: dict, joints: Sequence[int]) -> list[Html]:
+    e, nis = run.estimates[name], tests["NIS"]
+    cells = [tag("th", name, scope="row"), tag("td", e.get("tuning") or DASH, class_="text")]
+    cells += [_cell(number(nis.get("mean"))), _cell(f"{number(nis.get('low'), 3)} … {number(nis.get('high'), 3)}")]
+    cells.append(mark(nis.get("ok")))
+    white = {w.get("joint"): w for w in tests.get("whiteness") or []}
+    for j in joints:
+        w = white.get(j) or {}
+        outside = w.get("outside_percent")
+        cells += [_cell(number(w.get("lag1"), 2)), _cell(DASH if outside is None else f"{number(outside, 2)} %")]
+        cells.append(mark(w.get("ok")))
+    cells.append(tag("td", "shown" if trusted(e) else ("failed" if not ok(e) else "withheld"), class_="text"))
+    return cells
+
+
+def residual_tests(run: Run) -> Html | None:
+    """Size, shape and whiteness of the residual of every batch estimate, per joint."""
+    tested = {n: (e.get("tests") or {}).get("residual") for n, e in run.estimates.items()}
+    rows = [_residual_row(run, n, t) for n, tests in tested.items() for t in tests or []]
+    if not rows:
+        return None
+    labels = ("Estimate", "Joint", f"RMS in {unit_text(run.force_unit)}", "noise floor", "kurtosis", "lag 1", "outside")
+    head = [tag("th", h, scope="col") for h in (*labels, "whiteness")]
+    caption = (
+        "Good: RMS at the noise floor, kurtosis near 3, white. Bad: RMS well above the floor (the model misses"
+        " something), or coloured residuals: their σ would claim too much."
+    )
+    return table("Residuals of the least squares", [head], rows, caption)
+
+
+def _residual_row(run: Run, name: str, test: dict) -> Html:
+    joint, outside = test.get("joint"), test.get("outside_percent")
+    cells = [tag("th", name, scope="row"), tag("td", run.joint_name(joint) if joint else DASH, class_="text")]
+    cells += [_cell(number(test.get(key), 3)) for key in ("rms", "floor", "kurtosis")]
+    cells += [_cell(number(test.get("lag1"), 2)), _cell(DASH if outside is None else f"{number(outside, 2)} %")]
+    return tag("tr", cells, mark(test.get("whiteness_ok")))
+
+
+def mark(good: bool | None) -> Html:
+    """A test's outcome in word and sign."""
+    if good is None:
+        return tag("td", DASH, class_="text")
+    return tag("td", "✓ holds" if good else "✗ fails", class_="text good" if good else "text bad")
+
+
+def _cell(text: str) -> Html:
+    return tag("td", text)
