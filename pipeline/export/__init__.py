@@ -1,0 +1,1 @@
+"""Modelica to FMU: front end, equations, C code, model description, archive; a file each."""

@@ -1,0 +1,90 @@
+"""Arrays of CasADi scalars as nested tuples: rank is the depth of nesting, the order is row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import product
+
+import casadi as ca
+
+Value = ca.SX | tuple
+
+
+def elementwise(operation: Callable, *values: Value) -> Value:
+    """operation(a, b, …) element by element; scalars go with every element."""
+    size = {len(value) for value in values if isinstance(value, tuple)}
+    if not size:
+        return operation(*values)
+    (n,) = size
+    columns = [value if isinstance(value, tuple) else (value,) * n for value in values]
+    return tuple(elementwise(operation, *items) for items in zip(*columns, strict=True))
+
+
+def matmul(left: tuple, right: tuple) -> Value:
+    """The product of matrices (n, m) and vectors (m,) in Modelica's sense; two vectors give their scalar product."""
+    if not isinstance(left[0], tuple):
+        return matmul((left,), right)[0]
+    if isinstance(right[0], tuple):
+        columns = list(zip(*right, strict=True))
+        return tuple(tuple(dot(row, column) for column in columns) for row in left)
+    return tuple(dot(row, right) for row in left)
+
+
+def dot(left: tuple, right: tuple) -> ca.SX:
+    """The scalar product of two vectors (n,)."""
+    total = ca.SX(0)
+    for a, b in zip(left, right, strict=True):
+        total = total + a * b
+    return total
+
+
+def stack(values: list[Value], axis: str) -> tuple:
+    """Matrices one under the other (axis "1") or side by side ("2"); a scalar is 1 by 1, a vector a column."""
+    matrices = [promote(value) for value in values]
+    if axis == "1":
+        return tuple(row for matrix in matrices for row in matrix)
+    return tuple(tuple(item for row in rows for item in row) for rows in zip(*matrices, strict=True))
+
+
+def promote(value: Value) -> tuple:
+    """A scalar or a vector as a matrix."""
+    if not isinstance(value, tuple):
+        return ((value,),)
+    return value if isinstance(value[0], tuple) else tuple((item,) for item in value)
+
+
+def index(value: Value, picks: list[int | slice]) -> Value:
+    """value[i, :, …] with indices from 0."""
+    if not picks:
+        return value
+    first, rest = picks[0], picks[1:]
+    if isinstance(first, slice):
+        return tuple(index(item, rest) for item in value)
+    return index(value[first], rest)
+
+
+def flatten(value: Value) -> list[ca.SX]:
+    """The elements row by row."""
+    return [item for part in value for item in flatten(part)] if isinstance(value, tuple) else [value]
+
+
+def unflatten(items: Iterator, dimensions: list[int]) -> Value:
+    """The inverse of flatten: an array of these dimensions from an iterator of its elements."""
+    if not dimensions:
+        return next(items)
+    return tuple(unflatten(items, dimensions[1:]) for _ in range(dimensions[0]))
+
+
+def subscripts(dimensions: list[int]) -> list[str]:
+    """Subscripts [1,1], [1,2], … row by row; one empty for a scalar."""
+    if not dimensions:
+        return [""]
+    return [f"[{','.join(map(str, item))}]" for item in product(*(range(1, n + 1) for n in dimensions))]
+
+
+def to_int(value: Value) -> int | None:
+    """A constant integer, or None where the value is anything else."""
+    if isinstance(value, tuple) or not value.is_constant():
+        return None
+    number = float(value)
+    return int(number) if number == int(number) else None

@@ -1,0 +1,160 @@
+"""Building FMUs: every class listed in the package's FMUs/package.order, each a file in snake_case."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.errors import ExportError
+from pipeline.export.archive import write_archive
+from pipeline.export.codegen import generate, identifier
+from pipeline.export.compiler import compile_library, find_compiler, platform
+from pipeline.export.equations import Model, translate
+from pipeline.export.frontend import load
+from pipeline.export.model_description import describe
+
+HERE = Path(__file__).resolve().parent
+WRAPPER = HERE / "wrapper"
+PACKAGE = HERE.parent.parent / "modelica" / "RobotIdentification"
+RECORD = ".build.json"
+
+
+@dataclass(frozen=True)
+class Built:
+    """One FMU: its name, its file, the seconds it took, and whether it was up to date already."""
+
+    name: str
+    path: Path
+    seconds: float
+    skipped: bool
+
+
+def exported(modelica: Path) -> dict[str, str]:
+    """FMU name → class, for every class of FMUs/package.order."""
+    order = modelica / "FMUs" / "package.order"
+    if not order.is_file():
+        raise ExportError(f"{modelica}: no FMUs/package.order, which lists the classes to export")
+    classes = order.read_text().split()
+    return {identifier(leaf): f"{modelica.name}.FMUs.{leaf}" for leaf in classes}
+
+
+def build(
+    names: Sequence[str] | None,
+    out: Path,
+    start_values: Mapping[str, Mapping[str, float]] | None = None,
+    fmi: str = "2",
+    force: bool = False,
+    modelica: Path = PACKAGE,
+    report: Callable[[str], None] = lambda line: None,
+) -> list[Built]:
+    """Build the FMUs `names` (None: all) into `out`; those whose inputs have not changed are left alone.
+
+    start_values: {FMU name: {parameter: value}} replace bindings of the Modelica text. Raises ExportError.
+    """
+    if fmi != "2":
+        raise ExportError(f"FMI version {fmi}: only FMI 2 can be built")
+    classes = exported(modelica)
+    unknown = sorted(set(names or ()) - set(classes))
+    if unknown:
+        raise ExportError(f"no FMU {', '.join(unknown)}: there are {', '.join(classes)}")
+    start_values = start_values or {}
+    record = read_record(out / RECORD)
+    inputs = {name: fingerprint(modelica, start_values.get(name, {})) for name in names or classes}
+    todo = [name for name in inputs if force or not up_to_date(out, name, inputs[name], record)]
+    if todo:
+        find_compiler()
+
+    def make(name: str) -> Built:
+        started = time.perf_counter()
+        path = export(modelica, classes[name], out / f"{name}.fmu", start_values.get(name, {}))
+        return Built(name, path, time.perf_counter() - started, False)
+
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        made = {}
+        for built in pool.map(make, todo):
+            made[built.name] = built
+            record[built.name] = {"inputs": inputs[built.name], "sha256": digest(built.path)}
+            write_record(out / RECORD, record)
+            report(f"built {built.path.name} in {built.seconds:.1f} s")
+    return [made.get(name) or Built(name, out / f"{name}.fmu", 0.0, True) for name in inputs]
+
+
+def export(modelica: Path, model: str, path: Path, start_values: Mapping[str, float] | None = None) -> Path:
+    """Export one class as an FMU (FMI 2.0, Model Exchange and Co-Simulation), named after the file."""
+    return write_fmu(translate(load(modelica, model), start_values), path)
+
+
+def write_fmu(model: Model, path: Path) -> Path:
+    """C code, library, model description and archive of a sorted model."""
+    name = path.stem
+    wrapper = {file.name: file.read_text() for file in sorted(WRAPPER.glob("*.[ch]"))}
+    guid = guid_of(wrapper | generate(model, "") | {"name": name})
+    sources = wrapper | generate(model, guid)
+    files = {f"sources/{file}": text.encode() for file, text in sources.items()}
+    compiled = [file for file in sources if file.endswith(".c")]
+    files["modelDescription.xml"] = describe(model, name, guid, sorted(compiled)).encode()
+    folder, suffix = platform()
+    files[f"binaries/{folder}/{name}{suffix}"] = compile_sources(sources, name + suffix, path.with_suffix(".log"))
+    write_archive(path, files)
+    return path
+
+
+def compile_sources(sources: Mapping[str, str], library: str, log: Path) -> bytes:
+    """The bytes of the library compiled from these sources."""
+    with tempfile.TemporaryDirectory(prefix="fmuid-") as folder:
+        paths = [Path(folder) / name for name in sources]
+        for path, text in zip(paths, sources.values(), strict=True):
+            path.write_text(text)
+        log.parent.mkdir(parents=True, exist_ok=True)
+        compile_library(paths, Path(folder) / library, log)
+        return (Path(folder) / library).read_bytes()
+
+
+def guid_of(parts: Mapping[str, str]) -> str:
+    """A GUID made from content: the same sources give the same."""
+    h = hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def fingerprint(modelica: Path, start_values: Mapping[str, float]) -> str:
+    """A hash of all that an FMU is made from: Modelica and exporter sources, start values, tool versions, compiler."""
+    from importlib.metadata import version
+
+    h = hashlib.sha256()
+    for file in [*sorted(modelica.rglob("*.mo")), *sorted(HERE.rglob("*.py")), *sorted(WRAPPER.iterdir())]:
+        h.update(str(file.relative_to(HERE.parent.parent) if file.is_relative_to(HERE) else file.name).encode())
+        h.update(file.read_bytes())
+    tools = {tool: version(tool) for tool in ("rumoca", "casadi", "fmpy")}
+    h.update(json.dumps([dict(start_values), tools, platform()], sort_keys=True).encode())
+    return h.hexdigest()
+
+
+def up_to_date(out: Path, name: str, inputs: str, record: Mapping[str, dict]) -> bool:
+    """The FMU is there, made from these inputs, and nobody has changed it since."""
+    path, known = out / f"{name}.fmu", record.get(name, {})
+    return known.get("inputs") == inputs and path.is_file() and known.get("sha256") == digest(path)
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def read_record(path: Path) -> dict[str, dict]:
+    """What was built from what; empty where nothing is known."""
+    try:
+        return json.loads(path.read_text())
+    except (FileNotFoundError, json.JSONDecodeError):
+        return {}
+
+
+def write_record(path: Path, record: Mapping[str, dict]) -> None:
+    """Write the record beside the FMUs."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(record, indent=2, sort_keys=True) + "\n")

@@ -1,0 +1,50 @@
+"""The C compiler: sources → one shared library, everything hidden that FMI does not name."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+from pipeline.errors import ExportError
+
+FLAGS = ["-O2", "-fPIC", "-shared", "-std=c11", "-ffp-contract=off", "-fvisibility=hidden", "-fno-math-errno"]
+PLATFORMS = {"linux": ("linux64", ".so"), "darwin": ("darwin64", ".dylib"), "win32": ("win64", ".dll")}
+
+
+def find_compiler() -> list[str]:
+    """The compiler's command: $CC, else cc, gcc or clang; ExportError without one."""
+    chosen = shlex.split(os.environ.get("CC", ""))
+    for command in [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]:
+        if shutil.which(command[0]):
+            return command
+    tried = f"CC={chosen[0]} is not there" if chosen else "none of cc, gcc, clang is there"
+    raise ExportError(f"no C compiler: {tried}; install one (Debian: apt install gcc) or name it in CC")
+
+
+def headers() -> Path:
+    """The folder of the FMI headers, which come with fmpy (found without importing it)."""
+    spec = find_spec("fmpy")
+    if spec is None or spec.origin is None:
+        raise ExportError("the FMI headers come with fmpy, which is not installed: pip install fmpy")
+    return Path(spec.origin).parent / "c-code"
+
+
+def platform() -> tuple[str, str]:
+    """(folder under binaries/, suffix of a library) of this machine, as FMI 2.0 names them."""
+    return PLATFORMS.get(sys.platform, PLATFORMS["linux"])
+
+
+def compile_library(sources: list[Path], library: Path, log: Path) -> None:
+    """Compile C sources into `library`. What the compiler says goes to `log`; ExportError names it when it fails."""
+    files = [str(source) for source in sources if source.suffix == ".c"]
+    include = ["-I", str(sources[0].parent), "-I", str(headers())]
+    command = [*find_compiler(), *FLAGS, *include, "-o", str(library), *files, "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        log.write_text(f"{shlex.join(command)}\n{done.stdout}{done.stderr}")
+        raise ExportError(f"{library.stem}: the C compiler failed (exit code {done.returncode}), see {log}")

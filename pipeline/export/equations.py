@@ -1,0 +1,195 @@
+"""Equations: the DAE of a model → sorted CasADi functions of (t, x, u, p, z, r).
+
+t time, x continuous states, u inputs, p parameters (constants, settable ones, calculated ones), z discrete variables,
+r the values that relations keep between events. Derivatives and algebraic variables come from the continuous
+equations; what happens at an event (a sample instant, a relation that switches, the initialisation) is one function
+that gives z and x after it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from pipeline.export.arrays import Value, elementwise, flatten
+from pipeline.export.clocks import read_clocks
+from pipeline.export.events import Discrete, Events, Relation, new_events
+from pipeline.export.expressions import Expressions, Scope
+from pipeline.export.frontend import Source
+from pipeline.export.parameters import bind_parameters
+from pipeline.export.sorting import Equation, solve
+from pipeline.export.starts import read_starts
+from pipeline.export.variables import COORDINATE, KINDS, Entry, Variable, apply_limits, declare
+
+INTERNAL_STEP = "internalStep"
+
+
+@dataclass(frozen=True)
+class Model:
+    """A sorted model: its scalar variables by kind, and its expressions.
+
+    derivatives (nx,) and algebraics (ny,) in the order of the variables of these kinds; calculated (nc,) in constants
+    and settable parameters; starts: by name, in parameters; events: what happens at an event.
+    """
+
+    name: str
+    description: str
+    variables: dict[str, list[Variable]]
+    derivatives: ca.SX
+    algebraics: ca.SX
+    calculated: ca.SX
+    starts: dict[str, ca.SX]
+    events: Events
+    experiment: dict[str, float]
+
+    def symbols(self, *kinds: str) -> ca.SX:
+        """The symbols (n, 1) of these kinds."""
+        return column([variable.symbol for kind in kinds for variable in self.variables[kind]])
+
+    def start(self, *kinds: str) -> ca.SX:
+        """The start values (n, 1) of these kinds."""
+        return column([self.starts[variable.name] for kind in kinds for variable in self.variables[kind]])
+
+    def arguments(self, z: ca.SX | None = None) -> list[ca.SX]:
+        """(t, x, u, p, z, r), the arguments of every function of the model."""
+        p = self.symbols("constant", "parameter", "calculated")
+        z = self.symbols("discrete") if z is None else z
+        return [self.events.time, self.symbols("state"), self.symbols("input"), p, z, self.events.r]
+
+
+def column(items: list[ca.SX]) -> ca.SX:
+    """A column (n, 1), also for n = 0."""
+    return ca.vertcat(*items) if items else ca.SX(0, 1)
+
+
+def translate(source: Source, start_values: Mapping[str, float] | None = None) -> Model:
+    """The model with its equations sorted; ExportError names what cannot be exported."""
+    expressions, entries = Expressions(source), declare(source)
+    time = ca.SX.sym("time")
+    coordinates = _coordinates(entries, time)
+    parameters = bind_parameters(expressions, entries, Scope(coordinates), dict(start_values or {}))
+    for entry in entries:
+        apply_limits(expressions, entry, parameters, Scope(coordinates))
+    variables = _by_kind(entries)
+
+    events = new_events(source, time)
+    scope = Scope(coordinates, events.symbols)
+    continuous = _residuals(expressions, source.dae["continuous_equation_operations"], scope)
+    unknown = [variable.symbol for kind in ("derivative", "algebraic") for variable in variables[kind]]
+    solution = solve(continuous, unknown, source.model)
+    _solve_events(expressions, entries, scope, events, continuous, unknown, solution)
+    events.clocks = read_clocks(source, parameters)
+    initial = _residuals(expressions, source.dae["initialization_equation_operations"], scope)
+    starts = read_starts(expressions, entries, scope, initial, unknown, solution)
+    n = len(variables["state"])
+    model = Model(
+        name=source.model,
+        description=source.flat["model_description"] or "",
+        variables=variables,
+        derivatives=column(solution[:n]),
+        algebraics=column(solution[n:]),
+        calculated=column([parameters.expressions[v.name] for v in variables["calculated"]]),
+        starts=starts,
+        events=events,
+        experiment=source.experiment(),
+    )
+    mark_tunable(model, parameters.expressions)
+    if n:
+        model.variables["parameter"].append(_internal_step())
+    return model
+
+
+def _coordinates(entries: list[Entry], time: ca.SX) -> dict[tuple[str, int], Value]:
+    """The value of every coordinate of the DAE; `pre` and derivatives get symbols of their own."""
+    coordinates: dict[tuple[str, int], Value] = {("time", 0): time}
+    for entry in entries:
+        coordinates[COORDINATE[entry.role], entry.i] = entry.value
+        if entry.role == "state":
+            coordinates["derivative", entry.i] = entry.derivative = _renamed("der({})", entry.value)
+            coordinates["pre_state", entry.i] = entry.value
+        elif entry.role in ("discrete_real", "discrete_value"):
+            coordinates[f"pre_{entry.role}", entry.i] = entry.pre = _renamed("pre({})", entry.value)
+    return coordinates
+
+
+def _renamed(pattern: str, value: Value) -> Value:
+    return elementwise(lambda symbol: ca.SX.sym(pattern.format(symbol.name())), value)
+
+
+def _by_kind(entries: list[Entry]) -> dict[str, list[Variable]]:
+    variables: dict[str, list[Variable]] = {kind: [] for kind in KINDS}
+    for entry in entries:
+        for scalar in entry.scalars:
+            variables[scalar.kind].append(scalar)
+        if entry.derivative is not None:
+            for scalar, symbol in zip(entry.scalars, flatten(entry.derivative), strict=True):
+                unit = f"{scalar.unit}/s" if scalar.unit else None
+                description = f"Derivative of {scalar.name}"
+                derivative = Variable(symbol.name(), "derivative", symbol, unit=unit, description=description)
+                variables["derivative"].append(derivative)
+    return variables
+
+
+def _residuals(expressions: Expressions, operations: list[dict], scope: Scope) -> list[Equation]:
+    """The scalar residuals of an equation section, for-families and array equations written out."""
+    equations = []
+    for entry in operations:
+        kind, body = next(iter(entry.items()))
+        place = expressions.source.place(entry)
+        if kind == "residual":
+            items = flatten(expressions.read(body["residual"], scope))
+        elif kind == "structured" and body["scalar_view"] == "RowMajorProjection":
+            items = [item for node in body["bodies"] for item in flatten(expressions.read(node, scope))]
+        elif kind == "structured" and body["scalar_view"] == "BinderSubstitution":
+            inner = expressions.iterate(body["domain"], scope)
+            items = [item for s in inner for node in body["bodies"] for item in flatten(expressions.read(node, s))]
+        else:
+            raise expressions.source.refuse(f"an equation of kind {kind} cannot be exported", entry)
+        equations += [Equation(item, place) for item in items]
+    return equations
+
+
+def _solve_events(expressions, entries, scope, events, continuous, unknown, solution) -> None:
+    """Fill in the relations and what an event does: all equations hold at once, the active when-clauses with them."""
+
+    def resolve(value: ca.SX, symbols: list[ca.SX], values: list[ca.SX]) -> ca.SX:
+        return ca.substitute(value, ca.vertcat(*symbols), ca.vertcat(*values)) if symbols else value
+
+    plain = Scope(scope.coordinates)
+    for node in events.symbols:
+        lhs, rhs = (expressions.read(expressions.nodes[node][1][side], plain) for side in ("lhs", "rhs"))
+        truth = resolve(expressions.read(node, plain), unknown, solution)
+        events.relations.append(Relation(truth, resolve(lhs - rhs, unknown, solution)))
+    discrete = Discrete(expressions, entries, scope, events)
+    equations = discrete.read()
+    z = [scalar.symbol for entry in entries for scalar in entry.scalars if scalar.kind == "discrete"]
+    everything = solve(equations + continuous, z + unknown, expressions.source.model)
+    states = [scalar for entry in entries for scalar in entry.scalars if scalar.kind == "state"]
+    after = discrete.actions({scalar.name: scalar.symbol for scalar in states})
+    events.z = column(everything[: len(z)])
+    events.x = resolve(column([after[scalar.name] for scalar in states]), z + unknown, everything)
+    events.violated = resolve(events.violated, z + unknown, everything)
+    events.z_pre = column([item for entry in entries if entry.pre is not None for item in flatten(entry.pre)])
+
+
+def mark_tunable(model: Model, calculated: dict[str, ca.SX]) -> None:
+    """A parameter is tunable if a running model reads it; those of start values and sample periods are fixed."""
+    running = ca.vertcat(model.derivatives, model.algebraics, model.events.z, model.events.x)
+    running = ca.vertcat(running, *[relation.truth for relation in model.events.relations])
+    read = {symbol.name() for symbol in ca.symvar(running)}
+    read |= {s.name() for name, value in calculated.items() if name in read for s in ca.symvar(value)}
+    periods = {symbol.name() for clock in model.events.clocks for value in clock for symbol in ca.symvar(value)}
+    for variable in model.variables["parameter"]:
+        variable.tunable = variable.name in read - periods
+    tunable = {variable.name for variable in model.variables["parameter"] if variable.tunable}
+    for variable in model.variables["calculated"]:
+        variable.tunable = any(symbol.name() in tunable for symbol in ca.symvar(calculated[variable.name]))
+
+
+def _internal_step() -> Variable:
+    return Variable(
+        INTERNAL_STEP, "parameter", ca.SX.sym(INTERNAL_STEP), tunable=True, start=2.5e-4, unit="s", minimum=1e-9,
+        quantity="Time", description="Longest internal step of Co-Simulation (Runge-Kutta of order 4)",
+    )  # fmt: skip

@@ -1,0 +1,204 @@
+"""Events: sample instants, relations that switch, the initialisation; and what they do to z and x.
+
+A when-clause acts where its trigger rises and its guard holds. Of several clauses for one variable the first acts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+
+from pipeline.export.arrays import flatten
+from pipeline.export.expressions import Expressions, Scope
+from pipeline.export.frontend import Source
+from pipeline.export.sorting import Equation
+from pipeline.export.variables import Entry
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A relation that has an event: its truth and its indicator (lhs − rhs), whose sign changes where it switches."""
+
+    truth: ca.SX
+    indicator: ca.SX
+
+
+@dataclass
+class Events:
+    """r (nr,) relations held between events, r_pre before the event, flags (1 + clocks): initialisation, sample instants.
+
+    z_pre (nz,) are the discrete variables before the event; z and x are their values and the states after it.
+    clocks: (period, phase) of each, as expressions of parameters; violated: one per assert, with its message.
+    """
+
+    time: ca.SX
+    r: ca.SX
+    r_pre: ca.SX
+    flags: ca.SX
+    symbols: dict[int, ca.SX]
+    relations: list[Relation] = field(default_factory=list)
+    clocks: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
+    z_pre: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    z: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    x: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    violated: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    messages: list[str] = field(default_factory=list)
+
+
+def new_events(source: Source, time: ca.SX) -> Events:
+    """The symbols of a model's events: one per relation with a root and one per clock."""
+    rooted = sorted({entry["root"]["relation"] for entry in source.dae["roots"]})
+    nodes = [source.dae["relations"][k]["relation"]["expression"] for k in rooted]
+    r = ca.SX.sym("r", len(nodes))
+    return Events(
+        time=time,
+        r=r,
+        r_pre=ca.SX.sym("r_pre", len(nodes)),
+        flags=ca.SX.sym("flags", 1 + len(source.dae["clocks"])),
+        symbols={node: r[k] for k, node in enumerate(nodes)},
+    )
+
+
+class Discrete:
+    """Reads the discrete part of a model into its Events."""
+
+    def __init__(self, expressions: Expressions, entries: list[Entry], scope: Scope, events: Events):
+        self.source, self.expressions, self.scope, self.events = expressions.source, expressions, scope, events
+        self.entries = {entry.i: entry for entry in entries}
+        self.rooted = {node: k for k, node in enumerate(events.symbols)}
+        self.pre = {
+            scalar.name: symbol
+            for entry in entries
+            if entry.pre is not None
+            for scalar, symbol in zip(entry.scalars, flatten(entry.pre), strict=True)
+        }
+
+    # --- conditions ------------------------------------------------------------------------------------------------
+
+    def level(self, c: int, r: ca.SX, flags: ca.SX) -> ca.SX:
+        """Condition c with these relations and flags."""
+        node = self.source.dae["conditions"][c]["node"]
+        kind, body = (node, None) if isinstance(node, str) else next(iter(node.items()))
+        if kind == "initial":
+            return flags[0]
+        if kind == "always":
+            return ca.SX(1)
+        if kind == "clock":
+            return flags[1 + body]
+        if kind == "relation":
+            return self._relation(self.source.dae["relations"][body]["relation"]["expression"], r)
+        if kind == "discrete":
+            return self.expressions.read(body, self.scope)
+        if kind == "not":
+            return ca.logic_not(self.level(body, r, flags))
+        if kind in ("and", "or"):
+            operation = ca.logic_and if kind == "and" else ca.logic_or
+            return operation(self.level(body["lhs"], r, flags), self.level(body["rhs"], r, flags))
+        raise self.source.refuse(f"a condition of kind {kind} cannot be exported", self.source.dae["conditions"][c])
+
+    def _relation(self, node: int, r: ca.SX) -> ca.SX:
+        return r[self.rooted[node]] if node in self.rooted else self.expressions.read(node, self.scope)
+
+    def rises(self, c: int) -> ca.SX:
+        """Condition c becomes true at this event."""
+        entry = self.source.dae["conditions"][c]
+        node = entry["node"]
+        if isinstance(node, dict) and "any_rise" in node:
+            return ca.logic_or(self.rises(node["any_rise"]["lhs"]), self.rises(node["any_rise"]["rhs"]))
+        self._check_trigger(c)
+        before = self.level(c, self.events.r_pre, ca.SX.zeros(self.events.flags.shape))
+        return ca.logic_and(self.level(c, self.events.r, self.events.flags), ca.logic_not(before))
+
+    def _check_trigger(self, c: int) -> None:
+        """A trigger's value before the event is known for relations with an event, clocks and initial() alone."""
+        entry = self.source.dae["conditions"][c]
+        kind, body = (entry["node"], None) if isinstance(entry["node"], str) else next(iter(entry["node"].items()))
+        if kind == "relation":
+            known = self.source.dae["relations"][body]["relation"]["expression"] in self.rooted
+            if not known:
+                raise self.source.refuse("a when-clause on this relation cannot be exported", entry)
+        elif kind in ("and", "or"):
+            self._check_trigger(body["lhs"])
+            self._check_trigger(body["rhs"])
+        elif kind == "not":
+            self._check_trigger(body)
+        elif kind not in ("initial", "clock"):
+            raise self.source.refuse(f"a when-clause on a condition of kind {kind} cannot be exported", entry)
+
+    def active(self, activation: Any) -> ca.SX | None:
+        """When a clause acts; None: always."""
+        if activation == "always":
+            return None
+        when = activation["when"]
+        return ca.logic_and(self.rises(when["trigger"]), self.level(when["guard"], self.events.r, self.events.flags))
+
+    # --- assignments -----------------------------------------------------------------------------------------------
+
+    def read(self) -> list[Equation]:
+        """One equation for every discrete variable: the first clause that acts, else its value before."""
+        clauses: dict[str, list[tuple[ca.SX | None, ca.SX, str]]] = {}
+        for entry in self.source.dae["discrete_real_equations"]:
+            self._read_real(entry, clauses)
+        for entry in self.source.dae["discrete_value_owners"]:
+            self._read_value(entry, clauses)
+        scalars = [s for entry in self.entries.values() for s in entry.scalars if s.kind == "discrete"]
+        equations = []
+        for scalar in scalars:
+            value, place = self.pre[scalar.name], ""
+            for active, rhs, place in reversed(clauses.pop(scalar.name, [])):  # noqa: B007
+                value = rhs if active is None else ca.if_else(active, rhs, value)
+            equations.append(Equation(scalar.symbol - value, place))
+        if clauses:
+            raise self.source.refuse(f"an assignment to {', '.join(clauses)} in a when-clause cannot be exported")
+        return equations
+
+    def _read_real(self, entry: dict, clauses: dict) -> None:
+        kind, body = self.expressions.nodes[entry["residual"]]
+        if kind != "binary" or body["operator"] != "subtract":
+            raise self.source.refuse("an equation in a when-clause must be `variable = expression`", entry)
+        targets = flatten(self.expressions.read(body["lhs"], self.scope))
+        values = flatten(self.expressions.read(body["rhs"], self.scope))
+        active, place = self.active(entry["activation"]), self.source.place(entry)
+        for target, value in zip(targets, values, strict=True):
+            if not target.is_symbolic():
+                raise self.source.refuse("an equation in a when-clause must be `variable = expression`", entry)
+            clauses.setdefault(target.name(), []).append((active, value, place))
+
+    def _read_value(self, entry: dict, clauses: dict) -> None:
+        if entry["structure"] is not None:
+            raise self.source.refuse("an array of discrete values cannot be exported", entry)
+        for branch in entry["branches"]:
+            active, place = self.active(branch["activation"]), self.source.place(entry)
+            for target, value in zip(entry["targets"], branch["values"], strict=True):
+                if set(value) - {"provenance"} != {"value"}:
+                    raise self.source.refuse("this assignment of a discrete value cannot be exported", entry)
+                items = flatten(self.expressions.read(value["value"], self.scope))
+                for scalar, item in zip(self.entries[target].scalars, items, strict=True):
+                    clauses.setdefault(scalar.name, []).append((active, item, place))
+
+    def actions(self, states: dict[str, ca.SX]) -> dict[str, ca.SX]:
+        """States after reinit(); asserts are collected on the way."""
+        after, violated = dict(states), []
+        for entry in self.source.dae["event_actions"]:
+            kind, body = next(iter(entry["kind"].items()))
+            guard = self.level(entry["guard"], self.events.r, self.events.flags)
+            if kind == "reinitialize":
+                active = ca.logic_and(self.rises(entry["trigger"]), guard)
+                name = self.entries[body["state"]].scalars[0].name
+                if len(self.entries[body["state"]].scalars) > 1:
+                    raise self.source.refuse(f"reinit of the array {name} cannot be exported", entry)
+                after[name] = ca.if_else(active, self.expressions.read(body["value"], self.scope), after[name])
+            elif kind == "assert":
+                violated.append(guard)
+                self.events.messages.append(self._message(body["message"], entry))
+            else:
+                raise self.source.refuse(f"{kind} cannot be exported", entry)
+        self.events.violated = ca.vertcat(*violated) if violated else ca.SX(0, 1)
+        return after
+
+    def _message(self, node: int, entry: dict) -> str:
+        kind, body = self.expressions.nodes[node]
+        text = body["string"] if kind == "literal" and "string" in body else "assertion violated"
+        return f"{text} ({self.source.place(entry)})"

@@ -1,0 +1,140 @@
+"""The front end: a Modelica model as rumoca's differential-algebraic equations (DAE), checked to be complete.
+
+rumoca hands its DAE over as plain data. Whatever section of it is neither translated nor empty is refused here, so that
+no equation, event, modifier or initial equation can get lost on the way to the FMU.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import ExportError
+
+SCHEMA = 43
+
+TRANSLATED = {
+    "variables", "value_types", "domains", "expressions", "functions", "continuous_equation_operations",
+    "initialization_equation_operations", "initial_discrete_values", "discrete_real_equations",
+    "discrete_value_owners", "relations", "conditions", "roots", "event_actions", "clocks",
+}  # fmt: skip
+BOOKKEEPING = {"predefined_string_declaration", "flat_type_ids", "value_type_provenance", "clock_ownerships"}
+REFUSED = {
+    "initial_parameter_values": "a parameter computed by an initial equation (fixed=false)",
+    "model_event_transactions": "an algorithm in a when-clause",
+    "structured_roots": "an event in an array equation",
+    "time_events": "a time event other than sample()",
+    "previous_values": "previous() of the synchronous language elements",
+    "terminals": "terminal()",
+    "delays": "delay()",
+}
+REFUSED_FLAT = {
+    "initial_assert_equations": "an assert in the initial equations",
+    "initial_algorithms": "an initial algorithm",
+}
+
+REDECLARE_MODIFIER = re.compile(
+    r"\bredeclare\s+(?:replaceable\s+)?(?:final\s+)?(?:partial\s+)?"
+    r"(?:model|block|package|record|type|connector|function|class|\w[\w.]*)\s+\w+\s*(?:=\s*[\w.]+\s*)?\("
+)
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\])*\"", re.DOTALL)
+EXPERIMENT = re.compile(r"\bexperiment\s*\(([^)]*)\)")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A model as the front end understood it: its name, the DAE's storage, the flat model and the files read."""
+
+    model: str
+    dae: dict[str, Any]
+    flat: dict[str, Any]
+    files: dict[int, tuple[str, str]]
+
+    def place(self, entry: Any) -> str:
+        """`file:line` of an entry that carries a provenance, or "" where the front end gives none."""
+        span = find_span(entry)
+        if span is None or span["source"] not in self.files:
+            return ""
+        name, text = self.files[span["source"]]
+        line = text.encode()[: span["start"]].count(b"\n") + 1
+        return f"{name}:{line}"
+
+    def refuse(self, what: str, entry: Any = None) -> ExportError:
+        """The error for what cannot be exported, with the place where it stands."""
+        place = self.place(entry)
+        return ExportError(f"{self.model}: {what}{f' ({place})' if place else ''}")
+
+    def experiment(self) -> dict[str, float]:
+        """The numbers of the model's `experiment` annotation (StartTime, StopTime, Tolerance, Interval)."""
+        leaf = self.model.rsplit(".", 1)[-1]
+        body = re.compile(rf"\b(?:model|block|class)\s+{re.escape(leaf)}\b.*?\bend\s+{re.escape(leaf)}\s*;", re.DOTALL)
+        for _, text in self.files.values():
+            found = body.search(text)
+            annotation = found and EXPERIMENT.search(found.group())
+            if annotation:
+                pairs = re.findall(r"(\w+)\s*=\s*([-+.\deE]+)", annotation.group(1))
+                return {name: float(value) for name, value in pairs}
+        return {}
+
+
+def find_span(entry: Any) -> dict[str, int] | None:
+    """The first source span in an entry of the DAE."""
+    if isinstance(entry, dict):
+        if "span" in entry and isinstance(entry["span"], dict):
+            return entry["span"]
+        if "source_span" in entry:
+            return entry["source_span"]
+        children: Any = entry.values()
+    elif isinstance(entry, list):
+        children = entry
+    else:
+        return None
+    return next((span for child in children if (span := find_span(child)) is not None), None)
+
+
+def load(path: Path, model: str) -> Source:
+    """Compile `model` of the package in `path` to its DAE; ExportError where it cannot be or where a part is unknown."""
+    import rumoca
+
+    try:
+        compiled = rumoca.Session().load(str(path / "package.mo" if path.is_dir() else path), model=model)
+        dae, flat = compiled.to_dict("dae"), compiled.to_dict("flat")
+    except rumoca.RumocaError as error:
+        first = " ".join(str(error).split())
+        raise ExportError(f"{model}: the Modelica front end refuses it: {first}") from error
+    if dae["schema_version"] != SCHEMA:
+        raise ExportError(
+            f"{model}: the front end's DAE has schema {dae['schema_version']}, not {SCHEMA}: install rumoca==0.10.2"
+        )
+    folder = f"{path.resolve().parent}/"
+    files = {key: (name.removeprefix(folder), text) for key, name, text in dae["source_map"]["files"]}
+    source = Source(model, dae["storage"], flat, files)
+    check_complete(source)
+    return source
+
+
+def check_complete(source: Source) -> None:
+    """Refuse every non-empty section that nothing translates, and what the front end is known to lose."""
+    for key, value in source.dae.items():
+        if key in TRANSLATED | BOOKKEEPING or not value:
+            continue
+        raise source.refuse(f"{REFUSED.get(key, f'the section {key} of the DAE')} cannot be exported", value)
+    for key, what in REFUSED_FLAT.items():
+        if source.flat[key]:
+            raise source.refuse(f"{what} cannot be exported: remove it", source.flat[key])
+    for name, line in lost_modifiers(source):
+        raise ExportError(
+            f"{source.model}: a redeclare with a modifier is lost by the front end: give the modifier "
+            f"to a class of its own ({name}:{line})"
+        )
+
+
+def lost_modifiers(source: Source) -> Iterator[tuple[str, int]]:
+    """Places (file, line) of `redeclare model F = F2(c=5)`, whose modifier rumoca 0.10.2 drops in silence."""
+    for name, text in source.files.values():
+        code = COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment.group()), text)
+        for match in REDECLARE_MODIFIER.finditer(code):
+            yield name, code.count("\n", 0, match.start()) + 1

@@ -1,0 +1,81 @@
+"""Start values of states and discrete variables: `start=` and initial equations, as expressions of the parameters."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from pipeline.export.expressions import Expressions, Scope
+from pipeline.export.sorting import Equation, solve
+from pipeline.export.variables import Entry, Variable, number, read_attribute
+
+
+def read_starts(
+    expressions: Expressions,
+    entries: list[Entry],
+    scope: Scope,
+    initial: list[Equation],
+    unknown: list[ca.SX],
+    solution: list[ca.SX],
+) -> dict[str, ca.SX]:
+    """Start value of every state, discrete variable and input by name, in (time, inputs, parameters).
+
+    `unknown` and `solution`: derivatives and algebraic variables, that initial equations may name. Also sets
+    `start` of the scalars whose start value is a number.
+    """
+    starts: dict[str, ca.SX] = {}
+    loose: list[ca.SX] = []  # states that fixed=true does not pin
+    for entry in entries:
+        if entry.scalars[0].kind not in ("state", "discrete", "input"):
+            continue
+        fixed = (entry.data["attributes"] or {}).get("fixed") or [False]
+        values = read_attribute(expressions, entry, "start", scope) or [ca.SX(0)] * len(entry.scalars)
+        for k, (scalar, value) in enumerate(zip(entry.scalars, values, strict=True)):
+            starts[scalar.name] = value
+            if scalar.kind == "state" and not fixed[k % len(fixed)]:
+                loose.append(scalar.symbol)
+    for entry in expressions.source.dae["initial_discrete_values"]:
+        target = next(e for e in entries if e.i == entry["target"])
+        starts[target.scalars[0].name] = expressions.read(entry["value"], scope)
+    starts |= solve_initial(expressions, initial, loose, unknown, solution, starts)
+    _check_known(expressions, entries, starts)
+    return starts
+
+
+def solve_initial(expressions, initial, loose, unknown, solution, starts) -> dict[str, ca.SX]:
+    """What the initial equations say of the states without fixed=true."""
+    if not initial:
+        return {}
+    source = expressions.source
+    solved = [
+        Equation(ca.substitute(equation.residual, ca.vertcat(*unknown), ca.vertcat(*solution)), equation.place)
+        for equation in initial
+    ]
+    named = ca.symvar(ca.vertcat(*[equation.residual for equation in solved]))
+    wanted = [symbol for symbol in loose if any(symbol.name() == other.name() for other in named)]
+    if len(wanted) != len(solved):
+        places = ", ".join(equation.place for equation in solved)
+        names = ", ".join(symbol.name() for symbol in wanted) or "none"
+        raise source.refuse(f"{len(solved)} initial equations for the start of {names} cannot be exported ({places})")
+    values = solve(solved, wanted, f"{source.model}, initial equations")
+    return {symbol.name(): value for symbol, value in zip(wanted, values, strict=True)}
+
+
+def _check_known(expressions: Expressions, entries: list[Entry], starts: dict[str, ca.SX]) -> None:
+    """Starts may name other states: resolve them; and set the numbers."""
+    scalars: dict[str, Variable] = {scalar.name: scalar for entry in entries for scalar in entry.scalars}
+    for name in starts:
+        for _ in range(len(starts)):
+            named = [s for s in ca.symvar(starts[name]) if s.name() in starts and scalars[s.name()].kind != "input"]
+            if not named:
+                break
+            starts[name] = ca.substitute(
+                starts[name], ca.vertcat(*named), ca.vertcat(*[starts[s.name()] for s in named])
+            )
+        else:
+            raise expressions.source.refuse(f"the start value of {name} depends on itself")
+        for symbol in ca.symvar(starts[name]):
+            kind = scalars[symbol.name()].kind if symbol.name() in scalars else "other"
+            if kind not in ("constant", "parameter", "calculated"):
+                what = f"the start value of {name} depends on {symbol.name()}, which is not a parameter"
+                raise expressions.source.refuse(what)
+        scalars[name].start = number(starts[name])

@@ -1,0 +1,83 @@
+/* Values that follow from others, computed when they are read. */
+#include "instance.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+bool fail(Instance *c, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(c->message, sizeof c->message, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+void reset(Instance *c) {
+    memset(&c->memory, 0, sizeof c->memory);
+    for (size_t i = 0; i < N_VALUES; i++) c->memory.values[i] = VARIABLES[i].start;
+    c->memory.mode = INSTANTIATED;
+    c->memory.stale = STALE_ALL;
+    c->start_time = 0;
+}
+
+void changed(Instance *c) {
+    c->memory.stale |= STALE_CALCULATED | STALE_DERIVATIVES | STALE_ALGEBRAICS;
+    if (c->memory.mode & (INSTANTIATED | INITIALIZATION)) c->memory.stale |= STALE_START;
+}
+
+static void start_values(Instance *c, const double **arguments) {
+    double x[N_STATES + 1], z[N_DISCRETES + 1];
+    double *results[] = {x, z};
+    model_start(arguments, results, NULL, NULL, 0);
+    for (size_t i = 0; i < N_STATES; i++)
+        if (VARIABLES[FIRST_STATE + i].kind == FOLLOWING_STATE) X(c)[i] = x[i];
+    for (size_t i = 0; i < N_DISCRETES; i++)
+        if (VARIABLES[FIRST_DISCRETE + i].kind == FOLLOWING_DISCRETE) Z(c)[i] = z[i];
+}
+
+void refresh(Instance *c, int what) {
+    Memory *m = &c->memory;
+    const double *arguments[] = {&m->time, X(c), U(c), P(c), Z(c), m->relations};
+    if (!(m->stale & (what | STALE_CALCULATED | STALE_START))) return;
+    if (m->stale & STALE_CALCULATED) {
+        double *results[] = {m->values + FIRST_CALCULATED};
+        model_calculated(arguments, results, NULL, NULL, 0);
+    }
+    if (m->stale & STALE_START) start_values(c, arguments);
+    m->stale &= ~(STALE_CALCULATED | STALE_START);
+    if (m->stale & what & STALE_DERIVATIVES) {
+        double *results[] = {DX(c)};
+        model_derivatives(arguments, results, NULL, NULL, 0);
+    }
+    if (m->stale & what & STALE_ALGEBRAICS) {
+        double *results[] = {Y(c)};
+        model_algebraics(arguments, results, NULL, NULL, 0);
+    }
+    m->stale &= ~what;
+}
+
+/* Derivatives at any time and state, with the inputs and parameters of the instance, whose calculated parameters are
+   up to date. */
+void derivatives(Instance *c, double time, const double *x, double *dx) {
+    const double *arguments[] = {&time, x, U(c), P(c), Z(c), c->memory.relations};
+    double *results[] = {dx};
+    model_derivatives(arguments, results, NULL, NULL, 0);
+}
+
+bool finite_derivatives(Instance *c, double time, const double *dx) {
+    for (size_t i = 0; i < N_STATES; i++)
+        if (!isfinite(dx[i]))
+            return fail(c, "%s is %g at time %g s: check parameters, inputs and states",
+                        VARIABLES[FIRST_DERIVATIVE + i].name, dx[i], time);
+    return true;
+}
+
+void indicators(Instance *c, double *truth, double *indicator) {
+    Memory *m = &c->memory;
+    refresh(c, 0);
+    const double *arguments[] = {&m->time, X(c), U(c), P(c), Z(c), m->relations};
+    double *results[] = {truth, indicator};
+    model_relations(arguments, results, NULL, NULL, 0);
+}

@@ -1,0 +1,105 @@
+/* Events: sample instants, relations that switch, the initialisation. */
+#include "instance.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Communication points are k*dt or a running sum of dt; their round-off is far below this part of a sample period. */
+#define CLOCK_TOLERANCE 1e-4
+#define MAX_ITERATIONS 100
+
+static double instant(const Memory *m, size_t i) { return m->phases[i] + m->ticks[i] * m->periods[i]; }
+
+static double tolerance(const Memory *m, size_t i) { return CLOCK_TOLERANCE * m->periods[i]; }
+
+static bool due(const Memory *m, size_t i) { return m->time >= instant(m, i) - tolerance(m, i); }
+
+bool tick_due(const Instance *c) {
+    for (size_t i = 0; i < N_CLOCKS; i++)
+        if (due(&c->memory, i)) return true;
+    return false;
+}
+
+/* The next sample instant, DBL_MAX without one, and how exactly a point of time has to meet it. */
+double next_tick(const Instance *c, double *how_exactly) {
+    double next = DBL_MAX;
+    *how_exactly = 0;
+    for (size_t i = 0; i < N_CLOCKS; i++)
+        if (instant(&c->memory, i) < next) {
+            next = instant(&c->memory, i);
+            *how_exactly = tolerance(&c->memory, i);
+        }
+    return next;
+}
+
+/* Set the flags of the clocks that are due and move these on: a second event at the same instant finds none. */
+static bool take_ticks(Memory *m, double *flags) {
+    bool any = false;
+    for (size_t i = 0; i < N_CLOCKS; i++) {
+        flags[i] = due(m, i);
+        if (!flags[i]) continue;
+        any = true;
+        m->ticks[i] = floor((m->time - m->phases[i]) / m->periods[i] + CLOCK_TOLERANCE) + 1;
+    }
+    return any;
+}
+
+static bool start_clocks(Instance *c) {
+    Memory *m = &c->memory;
+    const double *arguments[] = {&m->time, X(c), U(c), P(c), Z(c), m->relations};
+    double *results[] = {m->periods, m->phases};
+    model_clocks(arguments, results, NULL, NULL, 0);
+    for (size_t i = 0; i < N_CLOCKS; i++) {
+        if (!(m->periods[i] > 0)) return fail(c, "a sample period is %g s: it must be positive", m->periods[i]);
+        m->ticks[i] = fmax(0, ceil((m->time - m->phases[i]) / m->periods[i] - CLOCK_TOLERANCE));
+    }
+    return true;
+}
+
+/* One pass: the relations as they now are, the clauses that act on them. *settled: nothing has changed. */
+static bool pass(Instance *c, const double *flags, bool *settled) {
+    Memory *m = &c->memory;
+    double truth[N_RELATIONS + 1], indicator[N_RELATIONS + 1];
+    double x[N_STATES + 1], z[N_DISCRETES + 1], violated[N_ASSERTIONS + 1];
+    indicators(c, truth, indicator);
+    const double *arguments[] = {&m->time, X(c), U(c), P(c), Z(c), truth, m->relations, flags};
+    double *results[] = {z, x, violated};
+    model_event(arguments, results, NULL, NULL, 0);
+    for (size_t i = 0; i < N_ASSERTIONS; i++)
+        if (violated[i] != 0) return fail(c, "at time %g s: %s", m->time, ASSERTIONS[i]);
+    *settled = !memcmp(truth, m->relations, N_RELATIONS * sizeof *truth) &&
+               !memcmp(x, X(c), N_STATES * sizeof *x) && !memcmp(z, Z(c), N_DISCRETES * sizeof *z);
+    memcpy(m->relations, truth, N_RELATIONS * sizeof *truth);
+    memcpy(X(c), x, N_STATES * sizeof *x);
+    memcpy(Z(c), z, N_DISCRETES * sizeof *z);
+    m->stale |= STALE_DERIVATIVES | STALE_ALGEBRAICS;
+    return true;
+}
+
+/* Run an event to its end: clauses act on ticks in the first pass, on relations that switch in any. */
+bool handle_event(Instance *c, bool initial) {
+    double flags[N_CLOCKS + 1] = {initial};
+    bool settled = false;
+    if (!initial) take_ticks(&c->memory, flags + 1);
+    for (int k = 0; k < MAX_ITERATIONS; k++) {
+        if (!pass(c, flags, &settled)) return false;
+        if (settled && k > 0) return true;
+        memset(flags, 0, sizeof flags);
+    }
+    return fail(c, "the event at time %g s does not settle: relations keep switching", c->memory.time);
+}
+
+/* The end of the initialisation. No relation rises here: a when-clause acts from now on. */
+bool start_events(Instance *c) {
+    refresh(c, 0);
+    if (!start_clocks(c)) return false;
+    for (int k = 0; k < MAX_ITERATIONS; k++) {
+        double truth[N_RELATIONS + 1], indicator[N_RELATIONS + 1];
+        indicators(c, truth, indicator);
+        bool settled = !memcmp(truth, c->memory.relations, N_RELATIONS * sizeof *truth);
+        memcpy(c->memory.relations, truth, N_RELATIONS * sizeof *truth);
+        if (settled) break;
+    }
+    return handle_event(c, true);
+}

@@ -1,0 +1,70 @@
+/* One instance of the model: its memory, and what can be done with it. Nothing here knows of an FMI version. */
+#ifndef INSTANCE_H
+#define INSTANCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "model.h"
+
+/* The modes of an instance, a bit each. STEP: Co-Simulation after its initialisation. */
+typedef enum {
+    INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, STEP = 16, TERMINATED = 32
+} Mode;
+
+/* What has to be computed again before it is read. */
+enum { STALE_CALCULATED = 1, STALE_START = 2, STALE_DERIVATIVES = 4, STALE_ALGEBRAICS = 8 };
+#define STALE_ALL (STALE_CALCULATED | STALE_START | STALE_DERIVATIVES | STALE_ALGEBRAICS)
+
+/* Everything an FMU state holds: plain numbers, copied as a whole. */
+typedef struct {
+    int mode;
+    int stale;
+    double time;
+    double values[N_VALUES + 1];
+    double relations[N_RELATIONS + 1];
+    double periods[N_CLOCKS + 1];
+    double phases[N_CLOCKS + 1];
+    double ticks[N_CLOCKS + 1];  /* the next sample instant of a clock is phase + ticks * period */
+} Memory;
+
+typedef struct {
+    Memory memory;
+    bool co_simulation;
+    double start_time;
+    char message[512];  /* why the last call failed */
+    void *environment;  /* of the FMI layer */
+} Instance;
+
+#define P(c) ((c)->memory.values + FIRST_PARAMETER)
+#define X(c) ((c)->memory.values + FIRST_STATE)
+#define Z(c) ((c)->memory.values + FIRST_DISCRETE)
+#define U(c) ((c)->memory.values + FIRST_INPUT)
+#define DX(c) ((c)->memory.values + FIRST_DERIVATIVE)
+#define Y(c) ((c)->memory.values + FIRST_ALGEBRAIC)
+
+/* Keep a message for the log. Always false, so that a check can end with it. */
+bool fail(Instance *c, const char *format, ...);
+
+/* evaluate.c */
+void reset(Instance *c);
+void changed(Instance *c);             /* a value was set */
+void refresh(Instance *c, int what);   /* compute what is stale */
+void derivatives(Instance *c, double time, const double *x, double *dx);
+bool finite_derivatives(Instance *c, double time, const double *dx);
+void indicators(Instance *c, double *truth, double *indicator);
+
+/* values.c */
+bool get_values(Instance *c, const unsigned *references, size_t n, Type type, double *values);
+bool set_values(Instance *c, const unsigned *references, size_t n, Type type, const double *values);
+
+/* events.c */
+bool start_events(Instance *c);
+bool handle_event(Instance *c, bool initial);
+bool tick_due(const Instance *c);
+double next_tick(const Instance *c, double *tolerance);
+
+/* integrate.c */
+bool do_step(Instance *c, double time, double step);
+
+#endif

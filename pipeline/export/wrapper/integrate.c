@@ -1,0 +1,102 @@
+/* Co-Simulation: fourth-order Runge-Kutta with a fixed step, from event to event. */
+#include "instance.h"
+
+#include <math.h>
+#include <string.h>
+
+#define MAX_EVENTS 1000
+
+static bool runge_kutta(Instance *c, double time, double h, const double *x, double *next) {
+    double k1[N_STATES + 1], k2[N_STATES + 1], k3[N_STATES + 1], k4[N_STATES + 1], stage[N_STATES + 1];
+    derivatives(c, time, x, k1);
+    for (size_t i = 0; i < N_STATES; i++) stage[i] = x[i] + h / 2 * k1[i];
+    derivatives(c, time + h / 2, stage, k2);
+    for (size_t i = 0; i < N_STATES; i++) stage[i] = x[i] + h / 2 * k2[i];
+    derivatives(c, time + h / 2, stage, k3);
+    for (size_t i = 0; i < N_STATES; i++) stage[i] = x[i] + h * k3[i];
+    derivatives(c, time + h, stage, k4);
+    for (size_t i = 0; i < N_STATES; i++) {
+        k4[i] = (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]) / 6;
+        next[i] = x[i] + h * k4[i];
+    }
+    return finite_derivatives(c, time, k4);
+}
+
+static void move(Instance *c, double time, const double *x) {
+    c->memory.time = time;
+    memcpy(X(c), x, N_STATES * sizeof *x);
+    c->memory.stale |= STALE_DERIVATIVES | STALE_ALGEBRAICS;
+}
+
+static bool switched(Instance *c) {
+    double truth[N_RELATIONS + 1], indicator[N_RELATIONS + 1];
+    indicators(c, truth, indicator);
+    return memcmp(truth, c->memory.relations, N_RELATIONS * sizeof *truth) != 0;
+}
+
+/* A step in which relations may switch: on to the first switch (by bisection), and the event there, until h is done. */
+static bool step_with_events(Instance *c, double h) {
+    double x[N_STATES + 1], next[N_STATES + 1];
+    double end = c->memory.time + h;
+    for (int k = 0; k < MAX_EVENTS; k++) {
+        double time = c->memory.time, low = 0, high = end - time;
+        if (!(high > 0)) return true;
+        memcpy(x, X(c), sizeof x);
+        if (!runge_kutta(c, time, high, x, next)) return false;
+        move(c, end, next);
+        if (!switched(c)) return true;
+        while (high - low > 4e-16 * (fabs(time) + high)) {
+            double middle = low + (high - low) / 2;
+            if (middle <= low || middle >= high) break;
+            if (!runge_kutta(c, time, middle, x, next)) return false;
+            move(c, time + middle, next);
+            if (switched(c)) high = middle; else low = middle;
+        }
+        if (!runge_kutta(c, time, high, x, next)) return false;
+        move(c, high == end - time ? end : time + high, next);
+        if (!handle_event(c, false)) return false;
+    }
+    return fail(c, "%d events within %g s before time %g s: relations keep switching", MAX_EVENTS, h, end);
+}
+
+/* Integrate over a duration in equal steps, none longer than internalStep. */
+static bool integrate(Instance *c, double duration) {
+#if N_STATES > 0
+    double next[N_STATES + 1];
+    double start = c->memory.time;
+    double longest = P(c)[INTERNAL_STEP];
+    if (!(longest > 0)) return fail(c, "internalStep is %g s: it must be positive", longest);
+    double n = fmax(1, ceil(duration / longest - 1e-9)), h = duration / n;
+    refresh(c, 0);
+    for (double i = 0; i < n; i++) {
+        if (N_RELATIONS > 0) {
+            if (!step_with_events(c, start + (i + 1) * h - c->memory.time)) return false;
+        } else {
+            double time = start + i * h;
+            if (!runge_kutta(c, time, h, X(c), next)) return false;
+            move(c, start + (i + 1) * h, next);
+        }
+    }
+#endif
+    return true;
+}
+
+/* From one communication point to the next. Sample instants at its start tick first, on the inputs as they now are;
+   those within it split the integration; one at its end belongs to the next step. */
+bool do_step(Instance *c, double time, double step) {
+    double end = time + step, how_exactly;
+    c->memory.time = time;
+    c->memory.stale |= STALE_DERIVATIVES | STALE_ALGEBRAICS;
+    for (;;) {
+        if (tick_due(c) || N_RELATIONS > 0 || N_ASSERTIONS > 0)
+            if (!handle_event(c, false)) return false;
+        double tick = next_tick(c, &how_exactly);
+        bool last = tick > end - how_exactly;
+        double stop = last ? end : tick;
+        double duration = last && c->memory.time == time ? step : stop - c->memory.time;
+        if (duration > 0 && !integrate(c, duration)) return false;
+        c->memory.time = stop;
+        c->memory.stale |= STALE_DERIVATIVES | STALE_ALGEBRAICS;
+        if (last) return true;
+    }
+}

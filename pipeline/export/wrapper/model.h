@@ -1,0 +1,51 @@
+/* What is generated for one model (model.c): tables over its variables, and its equations.
+
+   Every equation is a CasADi function of (t, x, u, p, z, r): time, states, inputs, parameters, discrete variables, and
+   the values that relations keep between events. Nothing here knows of FMI. */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include "model_counts.h"
+
+/* The values of all variables stand in one array, in this order; a value reference is an index into it. */
+#define FIRST_PARAMETER 0
+#define FIRST_CALCULATED (N_CONSTANTS + N_PARAMETERS)
+#define FIRST_STATE (FIRST_CALCULATED + N_CALCULATED)
+#define FIRST_DISCRETE (FIRST_STATE + N_STATES)
+#define FIRST_INPUT (FIRST_DISCRETE + N_DISCRETES)
+#define FIRST_DERIVATIVE (FIRST_INPUT + N_INPUTS)
+#define FIRST_ALGEBRAIC (FIRST_DERIVATIVE + N_STATES)
+#define N_VALUES (FIRST_ALGEBRAIC + N_ALGEBRAICS)
+
+typedef enum { REAL, INTEGER, BOOLEAN } Type;
+
+/* Who may set a variable, and when: see SETTABLE in values.c. The start value of a FOLLOWING state or discrete variable
+   is computed from parameters. */
+typedef enum {
+    CONSTANT, FIXED, TUNABLE, CALCULATED, STATE, FOLLOWING_STATE, DISCRETE, FOLLOWING_DISCRETE, INPUT, COMPUTED
+} Kind;
+
+typedef struct {
+    const char *name;
+    Kind kind;
+    Type type;
+    double start;
+} Variable;
+
+extern const char *const MODEL_NAME;
+extern const char *const MODEL_GUID;
+extern const Variable VARIABLES[];
+extern const double NOMINALS[];         /* of the states */
+extern const char *const ASSERTIONS[];  /* the message of each */
+
+typedef int ModelFunction(const double **arguments, double **results, long long *, double *, int);
+
+ModelFunction model_calculated;   /* -> calculated parameters */
+ModelFunction model_start;        /* -> start values of states and of discrete variables */
+ModelFunction model_derivatives;  /* -> derivatives of the states */
+ModelFunction model_algebraics;   /* -> algebraic variables */
+ModelFunction model_relations;    /* -> truth of every relation, indicator of every relation */
+ModelFunction model_clocks;       /* -> period of every clock, phase of every clock */
+ModelFunction model_event;        /* (…, r_pre, flags) -> discrete variables and states after an event, violated asserts */
+
+#endif

@@ -1,0 +1,66 @@
+/* Reading and setting variables by value reference. */
+#include "instance.h"
+
+#include <math.h>
+
+/* The modes in which a variable of each kind may be set. States of Model Exchange have a call of their own. */
+static const int SETTABLE[] = {
+    [CONSTANT] = 0,
+    [FIXED] = INSTANTIATED | INITIALIZATION,
+    [TUNABLE] = INSTANTIATED | INITIALIZATION | EVENT | STEP,
+    [CALCULATED] = 0,
+    [STATE] = INSTANTIATED | INITIALIZATION | STEP,
+    [FOLLOWING_STATE] = STEP,
+    [DISCRETE] = INSTANTIATED | INITIALIZATION,
+    [FOLLOWING_DISCRETE] = 0,
+    [INPUT] = INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP,
+    [COMPUTED] = 0,
+};
+
+static const char *const WHEN[] = {
+    [CONSTANT] = "a constant of the built FMU",
+    [FIXED] = "a fixed parameter, set before or in the initialisation only",
+    [TUNABLE] = "a tunable parameter, in Model Exchange set in Event Mode only",
+    [CALCULATED] = "computed from other parameters",
+    [STATE] = "a state, in Model Exchange set by SetContinuousStates",
+    [FOLLOWING_STATE] = "a state whose start value follows from parameters",
+    [DISCRETE] = "a discrete variable, set before or in the initialisation only",
+    [FOLLOWING_DISCRETE] = "a discrete variable whose start value follows from parameters",
+    [INPUT] = "an input of a terminated instance",
+    [COMPUTED] = "computed by the equations",
+};
+
+static const char *const TYPES[] = {"Real", "Integer", "Boolean"};
+
+static bool known(Instance *c, unsigned reference, Type type) {
+    if (reference < N_VALUES && VARIABLES[reference].type == type) return true;
+    return fail(c, "value reference %u is no %s variable of %s", reference, TYPES[type], MODEL_NAME);
+}
+
+bool get_values(Instance *c, const unsigned *references, size_t n, Type type, double *values) {
+    refresh(c, 0);
+    for (size_t i = 0; i < n; i++) {
+        unsigned reference = references[i];
+        if (!known(c, reference, type)) return false;
+        if (reference >= FIRST_ALGEBRAIC)
+            refresh(c, STALE_ALGEBRAICS);
+        else if (reference >= FIRST_DERIVATIVE)
+            refresh(c, STALE_DERIVATIVES);
+        values[i] = c->memory.values[reference];
+    }
+    return true;
+}
+
+bool set_values(Instance *c, const unsigned *references, size_t n, Type type, const double *values) {
+    for (size_t i = 0; i < n; i++) {
+        unsigned reference = references[i];
+        if (!known(c, reference, type)) return false;
+        const Variable *variable = &VARIABLES[reference];
+        if (!(SETTABLE[variable->kind] & c->memory.mode))
+            return fail(c, "%s cannot be set now: it is %s", variable->name, WHEN[variable->kind]);
+        if (!isfinite(values[i])) return fail(c, "%s cannot be set to %g", variable->name, values[i]);
+    }
+    for (size_t i = 0; i < n; i++) c->memory.values[references[i]] = values[i];
+    changed(c);
+    return true;
+}
