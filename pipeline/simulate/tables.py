@@ -21,6 +21,7 @@ from scipy.io.matlab import matfile_version
 from pipeline.errors import DataError
 
 DELIMITERS = (",", ";", "\t")
+KINDS = {"c": "complex numbers", "U": "text", "S": "text", "V": "a structure", "O": "cells"}
 
 
 @dataclass(frozen=True)
@@ -60,10 +61,9 @@ class Table:
         return f"nearest: {_quoted(near)}" if near else f"it has {_quoted(list(self.columns)[:12])}"
 
     def _vector(self, name: str, values: np.ndarray) -> np.ndarray:
-        if values.dtype.kind not in "biuf":
-            raise DataError(
-                f"{self.path}: column `{name}` holds {values.dtype.name}, not real numbers; store a real vector"
-            )
+        kind = values.dtype.kind
+        if kind not in "biuf":
+            raise DataError(f"{self.path}: column `{name}` holds {KINDS.get(kind, 'no numbers')}; store a real vector")
         if values.ndim != 2 or min(values.shape) != 1:
             shape = "×".join(map(str, values.shape))
             raise DataError(f"{self.path}: column `{name}` is a {shape} array; store a vector (N×1)")
