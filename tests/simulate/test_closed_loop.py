@@ -6,6 +6,7 @@ import pytest
 
 from pipeline.errors import ConfigError, DataError
 from pipeline.paths import EXPERIMENTS
+from pipeline.plant.binding import load_binding
 from pipeline.plant.fmu import open_fmu
 from pipeline.simulate.closed_loop import LoopPorts, controller_inputs, simulate_closed_loop, simulate_closed_loop_fmu
 from pipeline.simulate.measured import ColumnSettings, read_measured
@@ -123,7 +124,10 @@ def test_emps_two_fmus_are_the_modelica_closed_loop(fmus):
     motion = trajectory("emps_identification", 1000.0, 5.0)
     reference = reference_frame(motion)
     reference["pulse_1"] = 5.0 * ((motion.t % 1.0) > 0.8)
-    ours = simulate_closed_loop(fmus / "emps.fmu", fmus / "emps_controller.fmu", EMPS, reference, 0.001)
+    gain = load_binding("emps").gains_to_set()
+    ours = simulate_closed_loop(
+        fmus / "emps.fmu", fmus / "emps_controller.fmu", EMPS, reference, 0.001, plant_start=gain
+    )
     theirs = simulate_closed_loop_fmu(
         fmus / "emps_closed_loop.fmu",
         inputs={"qr_1": "qr", "pulse_1": "pulse"},
@@ -131,6 +135,7 @@ def test_emps_two_fmus_are_the_modelica_closed_loop(fmus):
         held={"u_1": "u"},
         reference=reference,
         period=0.001,
+        start=gain,
     )
     assert np.abs(ours["q_1"] - theirs["q_1"]).max() < 1e-9
     assert np.abs(ours["u_1"] - theirs["u_1"]).max() < 1e-5
