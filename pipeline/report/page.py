@@ -196,5 +196,6 @@ def _asset(name: str) -> str:
 @cache
 def _bokeh() -> str:
     """BokehJS and its plotting interface out of the installed wheel."""
-    resources = Resources(mode="inline", components=["bokeh", "bokeh-api"], log_level=None)
-    return "\n".join(resources.js_raw).replace("</script", "<\\/script").replace("\r", "")
+    resources = Resources(mode="inline", components=["bokeh", "bokeh-api"])
+    parts = [part for part in resources.js_raw if not part.startswith("Bokeh.set_log_level")]  # it would log itself
+    return "\n".join(parts).replace("</script", "<\\/script").replace("\r", "")

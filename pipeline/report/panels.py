@@ -176,23 +176,26 @@ def thin(time: np.ndarray, values: np.ndarray, limit: int = POINTS) -> tuple[np.
     """
     if len(time) <= limit:
         return time, values
-    bins = limit // 2
-    edges = np.linspace(0, len(time), bins + 1).astype(int)
-    kept = np.empty(2 * bins, dtype=values.dtype)
-    for k, (first, end) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
-        part = values[first:end]
-        pair = (np.nanargmin(part), np.nanargmax(part)) if np.isfinite(part).any() else (0, 0)
-        kept[2 * k : 2 * k + 2] = part[list(sorted(pair))]
-    return time[places(len(time), limit)], kept
+    size = _bin(len(values), limit)
+    table = np.pad(values, (0, -len(values) % size), mode="edge").reshape(-1, size)
+    low = np.where(np.isfinite(table), table, np.inf).argmin(axis=1)
+    high = np.where(np.isfinite(table), table, -np.inf).argmax(axis=1)
+    order = np.sort(np.column_stack([low, high]), axis=1)
+    return time[places(len(time), limit)], np.take_along_axis(table, order, axis=1).ravel()
 
 
 def places(samples: int, limit: int = POINTS) -> np.ndarray:
     """The indices that `thin` keeps on the time axis: the first and the middle sample of each bin."""
     if samples <= limit:
         return np.arange(samples)
-    edges = np.linspace(0, samples, limit // 2 + 1).astype(int)
-    middle = (edges[:-1] + edges[1:]) // 2
-    return np.column_stack([edges[:-1], middle]).ravel()
+    size = _bin(samples, limit)
+    first = np.arange(0, samples, size)
+    return np.column_stack([first, np.minimum(first + size // 2, samples - 1)]).ravel()
+
+
+def _bin(samples: int, limit: int) -> int:
+    """Samples per bin, two points of which are kept."""
+    return -(-samples // (limit // 2))
 
 
 def line(

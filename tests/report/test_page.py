@@ -1,0 +1,173 @@
+"""The page as text: valid, complete, deterministic, honest, inert to names, and whole where the run is not."""
+
+import copy
+import json
+import re
+
+import html5lib
+import pytest
+
+from pipeline.errors import DataError
+from pipeline.report.page import page, write_page
+from pipeline.report.record import read_run
+from tests.report import synthetic
+
+NAMES = ("scara", "emps")
+EVIL = "</script><img src=x onerror=alert(1)><b>&\"'"
+
+
+def tree(text):
+    return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)
+
+
+def words(element) -> str:
+    return " ".join(" ".join(element.itertext()).split())
+
+
+def section(text, id):
+    return next(e for e in tree(text).iter("section") if e.get("id") == id)
+
+
+@pytest.fixture(scope="module")
+def texts(runs):
+    return {name: (runs(name) / "index.html").read_text() for name in NAMES}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_page_is_valid_and_its_ids_are_unique(texts, name):
+    ids = [e.get("id") for e in tree(texts[name]).iter() if e.get("id")]
+    assert len(ids) == len(set(ids))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_labels_and_links_lead_somewhere(texts, name):
+    elements = list(tree(texts[name]).iter())
+    ids = {e.get("id") for e in elements}
+    assert {e.get("aria-labelledby") for e in elements} - {None} <= ids
+    assert {e.get("href")[1:] for e in elements if e.tag == "a"} <= ids
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_page_stays_below_4_MB(texts, name):
+    assert len(texts[name].encode()) <= 4_000_000
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_same_record_gives_the_same_bytes(runs, texts, name):
+    assert page(*read_run(runs(name))) == texts[name]
+
+
+def test_the_verdict_comes_first_and_stands_in_the_title(texts):
+    root = tree(texts["scara"])
+    assert words(root.find(".//title")).startswith("WARN: Two-joint SCARA")
+    first = next(iter(root.find(".//main")))
+    assert first.get("id") == "verdict"
+    assert "WARN Of 3 checks: 1 to watch." in words(first)
+    assert "WARN EKF(2), paper's tuning, mean NIS 0.005 1.82 … 2.18" in words(first)
+
+
+@pytest.mark.parametrize(("status", "word"), [("pass", "PASS"), ("fail", "FAIL"), ("nonsense", "FAIL")])
+def test_every_verdict_has_its_word(status, word):
+    record, signals = synthetic.scara(samples=50)
+    record["verdict"] = {"status": status, "items": []}
+    text = page(record, signals)
+    assert f"<title>{word}: " in text
+    assert word in words(section(text, "verdict"))
+
+
+def test_every_figure_of_the_paper_has_its_panel(texts):
+    titles = [words(e) for e in tree(texts["scara"]).iter("h4")]
+    for figure in range(4, 29):
+        assert any(t.startswith(f"Fig. {figure}: ") for t in titles), figure
+    assert "Fig. 13: ZZR1, EKF(2)" in titles
+    assert "Fig. 28: Fs2, EKF(3)" in titles
+    assert "Fig. 6: Joint 1, velocity, EKF(2)" in titles
+
+
+def test_without_figure_numbers_the_titles_are_plain(texts):
+    titles = [words(e) for e in tree(texts["emps"]).iter("h4")]
+    assert not any(t.startswith("Fig.") for t in titles)
+    assert "M, EKF(half)" in titles
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_panel_has_a_caption_of_good_and_bad(texts, name):
+    panels = [e for e in tree(texts[name]).iter("figure") if e.get("class") == "panel"]
+    assert len(panels) > 20
+    for panel in panels:
+        caption = words(panel.find("figcaption"))
+        assert "Good: " in caption, words(panel.find("h4"))
+        assert "Bad: " in caption, words(panel.find("h4"))
+
+
+def test_the_printed_table_stands_beside_ours(texts):
+    tables = {words(f.find("h4")): words(f) for f in tree(texts["scara"]).iter("figure") if f.get("class") == "sheet"}
+    first, second = tables["Table 1: WLS estimation"], tables["Table 2: EKF estimation"]
+    assert re.search(r"ZZR1 kg·m² 3\.42 3\.42 0\.51 4\.8 0\.630 0\.025", first)
+    assert "WLS (ours: WLS(3))" in second
+    assert second.count("σ withheld : mean NIS 0.005 is below its band") == 2
+
+
+def test_a_withheld_sigma_is_nowhere_shown_as_a_number(texts):
+    rows = [e for e in tree(texts["emps"]).iter() if e.tag.endswith("}g") and "EKF(half)" in words(e)]
+    assert len(rows) == 4
+    assert not any("±" in words(row) for row in rows)
+
+
+def test_a_failed_estimate_shows_its_reason_and_no_number(texts):
+    parameters = words(section(texts["scara"], "parameters"))
+    assert f"EKF(1) failed : {synthetic.SINGULAR}" in parameters
+    assert parameters.count("EKF(1) failed") == 1 + len(synthetic.UNITS)
+
+
+def test_names_are_inert():
+    record, signals = synthetic.scara(samples=50)
+    record = json.loads(json.dumps(record).replace("ZZR1", "Evil0"))
+    for table in signals.values():
+        table.columns = [c.replace("ZZR1", EVIL) for c in table.columns]
+    record["estimates"] = {
+        name.replace("EKF(2)", f"EKF(2){EVIL}"): e
+        | {"parameters": {p.replace("Evil0", EVIL): v for p, v in e["parameters"].items()}, "reason": EVIL}
+        for name, e in record["estimates"].items()
+    }
+    record["findings"], record["title"], record["errors"] = [EVIL], EVIL, [{"stage": EVIL, "message": EVIL}]
+    record["provenance"]["command"] = record["run_id"] = EVIL
+    record["experiment"]["configuration"] = {EVIL: EVIL}
+    root = tree(page(record, signals))
+    assert not list(root.iter("img"))
+    assert len(list(root.iter("script"))) == 5
+    assert EVIL in words(root.find(".//h1"))
+
+
+def test_a_stage_that_failed_is_told_and_the_rest_stays():
+    record, signals = synthetic.scara(samples=50)
+    record["errors"] = [{"stage": "EKF", "message": "FMU scara.fmu: fmi2GetReal returned error at 0.01 s"}]
+    for key in ("validation", "findings", "reference", "timing"):
+        del record[key]
+    text = page(record, {"identification": signals["identification"]})
+    assert "fmi2GetReal returned error at 0.01 s" in words(section(text, "errors"))
+    assert "1 stage failed." in words(section(text, "verdict"))
+    assert "closed-loop" not in {e.get("id") for e in tree(text).iter("section")}
+
+
+def test_a_record_of_the_bare_minimum_makes_a_page():
+    record = {"run_id": "r", "experiment": {}, "verdict": {}, "estimates": {}}
+    assert "FAIL" in words(section(page(record, {}), "verdict"))
+
+
+def test_a_filter_that_failed_on_its_way_shows_how_far_it_came():
+    record, signals = synthetic.scara(samples=400)
+    record, signals = copy.deepcopy(record), dict(signals)
+    record["estimates"]["EKF(2)"] |= {"status": "failed", "reason": "M is not positive definite at 2.00 s"}
+    signals["ekf-2"] = signals["ekf-2"].iloc[:200]
+    signals["ekf-3"] = signals["ekf-3"].iloc[:0]
+    text = page(record, signals)
+    tree(text)
+    titles = [words(e) for e in tree(text).iter("h4")]
+    assert "Fig. 13: ZZR1, EKF(2)" in titles
+    assert "Fig. 21: ZZR1, EKF(3)" not in titles
+
+
+def test_a_broken_folder_is_one_line(tmp_path):
+    with pytest.raises(DataError, match="not found"):
+        write_page(tmp_path / "nowhere")
