@@ -8,7 +8,7 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from pipeline.errors import ExportError
@@ -35,6 +35,14 @@ class Built:
     skipped: bool
 
 
+@dataclass(frozen=True)
+class Starts:
+    """Start values of parameters: given ones, which the model must have, and inherited ones, which it may have."""
+
+    given: dict[str, float] = field(default_factory=dict)
+    inherited: dict[str, float] = field(default_factory=dict)
+
+
 def exported(modelica: Path) -> dict[str, str]:
     """FMU name → class, for every class of FMUs/package.order."""
     order = modelica / "FMUs" / "package.order"
@@ -55,7 +63,8 @@ def build(
 ) -> list[Built]:
     """Build the FMUs `names` (None: all) into `out`; those whose inputs have not changed are left alone.
 
-    start_values: {FMU name: {parameter: value}} replace bindings of the Modelica text. Raises ExportError.
+    start_values: {FMU name: {parameter: value}} replace bindings of the Modelica text, also in the FMUs whose name goes
+    on with `_` (`emps` → `emps_closed_loop`) where these have the parameter. Raises ExportError.
     """
     if fmi != "2":
         raise ExportError(f"FMI version {fmi}: only FMI 2 can be built")
@@ -63,16 +72,16 @@ def build(
     unknown = sorted(set(names or ()) - set(classes))
     if unknown:
         raise ExportError(f"no FMU {', '.join(unknown)}: there are {', '.join(classes)}")
-    start_values = start_values or {}
     record = read_record(out / RECORD)
-    inputs = {name: fingerprint(modelica, start_values.get(name, {})) for name in names or classes}
+    starts = {name: starts_of(name, start_values or {}) for name in names or classes}
+    inputs = {name: fingerprint(modelica, starts[name]) for name in starts}
     todo = [name for name in inputs if force or not up_to_date(out, name, inputs[name], record)]
     if todo:
         find_compiler()
 
     def make(name: str) -> Built:
         started = time.perf_counter()
-        path = export(modelica, classes[name], out / f"{name}.fmu", start_values.get(name, {}))
+        path = export(modelica, classes[name], out / f"{name}.fmu", starts[name])
         return Built(name, path, time.perf_counter() - started, False)
 
     with ThreadPoolExecutor(max_workers=2) as pool:
@@ -85,9 +94,21 @@ def build(
     return [made.get(name) or Built(name, out / f"{name}.fmu", 0.0, True) for name in inputs]
 
 
-def export(modelica: Path, model: str, path: Path, start_values: Mapping[str, float] | None = None) -> Path:
+def starts_of(name: str, start_values: Mapping[str, Mapping[str, float]]) -> Starts:
+    """The start values given for an FMU, and those inherited from one whose name its own begins with."""
+    inherited: dict[str, float] = {}
+    for other, values in start_values.items():
+        if name.startswith(f"{other}_"):
+            inherited |= values
+    return Starts(dict(start_values.get(name, {})), inherited)
+
+
+def export(modelica: Path, model: str, path: Path, starts: Starts | None = None) -> Path:
     """Export one class as an FMU (FMI 2.0, Model Exchange and Co-Simulation), named after the file."""
-    return write_fmu(translate(load(modelica, model), start_values), path)
+    source, starts = load(modelica, model), starts or Starts()
+    own = {variable["name"] for variable in source.dae["variables"]}
+    inherited = {name: value for name, value in starts.inherited.items() if name in own}
+    return write_fmu(translate(source, inherited | starts.given), path)
 
 
 def write_fmu(model: Model, path: Path) -> Path:
@@ -122,7 +143,7 @@ def guid_of(parts: Mapping[str, str]) -> str:
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 
-def fingerprint(modelica: Path, start_values: Mapping[str, float]) -> str:
+def fingerprint(modelica: Path, starts: Starts) -> str:
     """A hash of all that an FMU is made from: Modelica and exporter sources, start values, tool versions, compiler."""
     from importlib.metadata import version
 
@@ -131,7 +152,7 @@ def fingerprint(modelica: Path, start_values: Mapping[str, float]) -> str:
         h.update(str(file.relative_to(HERE.parent.parent) if file.is_relative_to(HERE) else file.name).encode())
         h.update(file.read_bytes())
     tools = {tool: version(tool) for tool in ("rumoca", "casadi", "fmpy")}
-    h.update(json.dumps([dict(start_values), tools, platform()], sort_keys=True).encode())
+    h.update(json.dumps([asdict(starts), tools, platform()], sort_keys=True).encode())
     return h.hexdigest()
 
 

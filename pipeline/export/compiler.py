@@ -44,6 +44,7 @@ def compile_library(sources: list[Path], library: Path, log: Path) -> None:
     files = [str(source) for source in sources if source.suffix == ".c"]
     include = ["-I", str(sources[0].parent), "-I", str(headers())]
     command = [*find_compiler(), *FLAGS, *include, "-o", str(library), *files, "-lm"]
+    log.unlink(missing_ok=True)
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         log.write_text(f"{shlex.join(command)}\n{done.stdout}{done.stderr}")

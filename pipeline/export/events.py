@@ -27,7 +27,7 @@ class Relation:
 
 @dataclass
 class Events:
-    """r (nr,) relations held between events, r_pre before the event, flags (1 + clocks): initialisation, sample instants.
+    """r (nr,) relations held between events, r_pre before the event, flags (1 + clocks): initialisation, samples.
 
     z_pre (nz,) are the discrete variables before the event; z and x are their values and the states after it.
     clocks: (period, phase) of each, as expressions of parameters; violated: one per assert, with its message.
@@ -93,7 +93,7 @@ class Discrete:
             return self.expressions.read(body, self.scope)
         if kind == "not":
             return ca.logic_not(self.level(body, r, flags))
-        if kind in ("and", "or"):
+        if kind in ("and", "or", "any_rise"):
             operation = ca.logic_and if kind == "and" else ca.logic_or
             return operation(self.level(body["lhs"], r, flags), self.level(body["rhs"], r, flags))
         raise self.source.refuse(f"a condition of kind {kind} cannot be exported", self.source.dae["conditions"][c])

@@ -2,7 +2,7 @@
 
 The nodes are a list; a node refers to others by index, and the operands and subscripts of all nodes stand in two
 streams, consumed in the order of the nodes (rumoca 0.10.2, crates/rumoca-ir-dae/src/expression/nodes.rs). Booleans and
-Integers are numbers. A relation that has an event is not evaluated: it is the symbol that holds its value between events.
+Integers are numbers. A relation with an event is not evaluated: it is the symbol that holds its value between events.
 """
 
 from __future__ import annotations

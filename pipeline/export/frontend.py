@@ -7,12 +7,12 @@ no equation, event, modifier or initial equation can get lost on the way to the 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pipeline.errors import ExportError
+from pipeline.export.redeclare import lost_modifiers
 
 SCHEMA = 43
 
@@ -36,11 +36,6 @@ REFUSED_FLAT = {
     "initial_algorithms": "an initial algorithm",
 }
 
-REDECLARE_MODIFIER = re.compile(
-    r"\bredeclare\s+(?:replaceable\s+)?(?:final\s+)?(?:partial\s+)?"
-    r"(?:model|block|package|record|type|connector|function|class|\w[\w.]*)\s+\w+\s*(?:=\s*[\w.]+\s*)?\("
-)
-COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\])*\"", re.DOTALL)
 EXPERIMENT = re.compile(r"\bexperiment\s*\(([^)]*)\)")
 
 
@@ -96,7 +91,7 @@ def find_span(entry: Any) -> dict[str, int] | None:
 
 
 def load(path: Path, model: str) -> Source:
-    """Compile `model` of the package in `path` to its DAE; ExportError where it cannot be or where a part is unknown."""
+    """Compile `model` of the package in `path` to its DAE; ExportError where a part of it cannot be exported."""
     import rumoca
 
     try:
@@ -125,16 +120,8 @@ def check_complete(source: Source) -> None:
     for key, what in REFUSED_FLAT.items():
         if source.flat[key]:
             raise source.refuse(f"{what} cannot be exported: remove it", source.flat[key])
-    for name, line in lost_modifiers(source):
+    for name, line in lost_modifiers(source.model, source.files):
         raise ExportError(
             f"{source.model}: a redeclare with a modifier is lost by the front end: give the modifier "
             f"to a class of its own ({name}:{line})"
         )
-
-
-def lost_modifiers(source: Source) -> Iterator[tuple[str, int]]:
-    """Places (file, line) of `redeclare model F = F2(c=5)`, whose modifier rumoca 0.10.2 drops in silence."""
-    for name, text in source.files.values():
-        code = COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment.group()), text)
-        for match in REDECLARE_MODIFIER.finditer(code):
-            yield name, code.count("\n", 0, match.start()) + 1

@@ -57,8 +57,8 @@ class Unit:
 def parse(text: str) -> Unit | None:
     """A unit such as `N.m.s/rad` or `kg.m2/s2` or `W/(m2.K)`; None where it is not understood.
 
-    Grammar of the Modelica specification, chapter 19: factors joined by `.`, at most one `/`, the denominator one factor
-    or in parentheses, exponents as plain digits. A second `/` or an unknown symbol is not understood.
+    Grammar of the Modelica specification, chapter 19: factors joined by `.`, at most one `/`, the denominator one
+    factor or in parentheses, exponents as plain digits. A second `/` or an unknown symbol is not understood.
     """
     numerator, slash, denominator = text.partition("/")
     if denominator.startswith("(") and denominator.endswith(")"):
