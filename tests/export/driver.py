@@ -1,0 +1,129 @@
+"""FMU instances for the tests, straight on fmpy: names instead of value references, a context manager, no more."""
+
+from contextlib import contextmanager
+from ctypes import POINTER, c_double, cast
+from shutil import rmtree
+
+import fmpy
+import numpy as np
+from fmpy.fmi2 import FMU2Model, FMU2Slave
+
+
+class Archive:
+    """An unpacked FMU: `path`, its `description`, `states` and `derivatives` by name in the order of Model Exchange."""
+
+    def __init__(self, path):
+        self.path = path
+        self.description = fmpy.read_model_description(str(path), validate=False)
+        self.folder = fmpy.extract(str(path))
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.derivatives = [u.variable.name for u in self.description.derivatives]
+        self.states = [u.variable.derivative.name for u in self.description.derivatives]
+
+    def close(self):
+        rmtree(self.folder, ignore_errors=True)
+
+    @contextmanager
+    def model_exchange(self, start=0.0, **values):
+        """An initialised Model Exchange instance in Continuous-Time Mode, events of the start handled."""
+        with self._instance(FMU2Model, self.description.modelExchange, start, values) as instance:
+            instance.next_event = instance.settle()
+            instance.fmu.enterContinuousTimeMode()
+            yield instance
+
+    @contextmanager
+    def event_mode(self, start=0.0, **values):
+        """An initialised Model Exchange instance in its first Event Mode: the events of the start are still to come."""
+        with self._instance(FMU2Model, self.description.modelExchange, start, values) as instance:
+            yield instance
+
+    @contextmanager
+    def co_simulation(self, start=0.0, **values):
+        """An initialised Co-Simulation instance."""
+        with self._instance(FMU2Slave, self.description.coSimulation, start, values) as instance:
+            yield instance
+
+    @contextmanager
+    def _instance(self, kind, interface, start, values):
+        fmu = kind(
+            guid=self.description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=interface.modelIdentifier,
+            instanceName="test",
+        )
+        fmu.instantiate()
+        try:
+            instance = Instance(fmu, self)
+            fmu.setupExperiment(startTime=start)
+            instance.set(**values)
+            fmu.enterInitializationMode()
+            fmu.exitInitializationMode()
+            yield instance
+            fmu.terminate()
+        finally:
+            fmu.freeInstance()
+
+
+class Instance:
+    """One instance: variables by name, and the calls of FMI 2.0 that the tests need."""
+
+    def __init__(self, fmu, archive):
+        self.fmu, self.archive = fmu, archive
+        self.x, self.dx = np.empty(len(archive.states)), np.empty(len(archive.states))
+        self._x, self._dx = (cast(a.ctypes.data, POINTER(c_double)) for a in (self.x, self.dx))
+
+    def set(self, **values):
+        """Set variables by keyword; a dotted name has `__` for the dot."""
+        if values:
+            names = [name.replace("__", ".") for name in values]
+            self.fmu.setReal([self.archive.references[n] for n in names], [float(v) for v in values.values()])
+
+    def get(self, *names):
+        """Values of the named variables (len(names),)."""
+        return np.array(self.fmu.getReal([self.archive.references[n] for n in names]))
+
+    def step(self, t, h):
+        """One communication step."""
+        self.fmu.doStep(t, h)
+
+    def settle(self):
+        """Iterate discrete states until none is left; the time of the next event, or None."""
+        for _ in range(10):
+            needed, _, _, _, defined, when = self.fmu.newDiscreteStates()
+            if not needed:
+                return when if defined else None
+        raise AssertionError("the event iteration does not end")
+
+    def event(self, **values):
+        """Enter Event Mode, set `values`, iterate, go back to Continuous-Time Mode; the time of the next event."""
+        self.fmu.enterEventMode()
+        self.set(**values)
+        self.next_event = self.settle()
+        self.fmu.enterContinuousTimeMode()
+        return self.next_event
+
+    def rhs(self, t, x):
+        """Derivatives (n,) of the states x (n,) at time t."""
+        self.x[:] = x
+        self.fmu.setTime(t)
+        self.fmu.setContinuousStates(self._x, self.x.size)
+        self.fmu.getDerivatives(self._dx, self.dx.size)
+        return self.dx.copy()
+
+    def continuous_states(self):
+        """States (n,) in the order of the description."""
+        self.fmu.getContinuousStates(self._x, self.x.size)
+        return self.x.copy()
+
+    def save(self):
+        """The FMU state as bytes, through get, serialise and free."""
+        state = self.fmu.getFMUstate()
+        frozen = self.fmu.serializeFMUstate(state)
+        self.fmu.freeFMUstate(state)
+        return frozen
+
+    def load(self, frozen):
+        """Set the FMU state from bytes."""
+        state = self.fmu.deSerializeFMUstate(frozen)
+        self.fmu.setFMUstate(state)
+        self.fmu.freeFMUstate(state)
