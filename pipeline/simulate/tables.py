@@ -8,31 +8,28 @@ from __future__ import annotations
 import csv
 import math
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
-from scipy.io import loadmat
-from scipy.io.matlab import matfile_version
 
 from pipeline.errors import DataError
+from pipeline.simulate.matfile import MatError, NotNumbers, read_variables
 
 DELIMITERS = (",", ";", "\t")
-KINDS = {"c": "complex numbers", "U": "text", "S": "text", "V": "a structure", "O": "cells"}
 
 
 @dataclass(frozen=True)
 class Table:
-    """Columns by name as they stand in the file: text cells (CSV) or arrays (MAT); numbers only on demand.
+    """Columns by name as they stand in the file: text cells (CSV), arrays or NotNumbers (MAT).
 
     `first_row` is the row number of the first sample, so that messages point into the file.
     """
 
     path: Path
-    columns: Mapping[str, Sequence[str] | np.ndarray]
+    columns: Mapping[str, Sequence[str] | np.ndarray | NotNumbers]
     first_row: int
 
     def column(self, name: str) -> np.ndarray:
@@ -40,6 +37,8 @@ class Table:
         if name not in self.columns:
             raise DataError(f"{self.path}: no column `{name}`; {self._nearest(name)}")
         cells = self.columns[name]
+        if isinstance(cells, NotNumbers):
+            raise DataError(f"{self.path}: column `{name}` holds {cells.kind}; store a real vector")
         values = self._vector(name, cells) if isinstance(cells, np.ndarray) else self._numbers(name, cells)
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size:
@@ -61,9 +60,6 @@ class Table:
         return f"nearest: {_quoted(near)}" if near else f"it has {_quoted(list(self.columns)[:12])}"
 
     def _vector(self, name: str, values: np.ndarray) -> np.ndarray:
-        kind = values.dtype.kind
-        if kind not in "biuf":
-            raise DataError(f"{self.path}: column `{name}` holds {KINDS.get(kind, 'no numbers')}; store a real vector")
         if values.ndim != 2 or min(values.shape) != 1:
             shape = "×".join(map(str, values.shape))
             raise DataError(f"{self.path}: column `{name}` is a {shape} array; store a vector (N×1)")
@@ -121,22 +117,9 @@ def read_csv(path: Path) -> Table:
 def read_mat(path: Path) -> Table:
     """A MAT v5 file (MATLAB's -v6 and -v7): each variable a column."""
     try:
-        with open(path, "rb") as file:
-            head = file.read(19)
-        if head == b"MATLAB 7.3 MAT-file" or head.startswith(b"\x89HDF\r\n"):
-            raise DataError(f"{path}: a MAT v7.3 (HDF5) file; save it again with MATLAB's `save(..., '-v7')`")
-        if matfile_version(str(path))[0] != 1:
-            raise DataError(f"{path}: not a MAT v5 file; save it again with MATLAB's `save(..., '-v7')`")
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # a duplicate variable is a warning to SciPy
-            variables = loadmat(path)
-    except DataError:
-        raise
-    except Exception as error:  # SciPy raises whatever a broken file leads to
-        text = " ".join(str(error).split())[:200]
-        raise DataError(f"{path}: cannot be read as a MAT v5 file ({text}); record or export it again") from None
-    columns = {name: np.asarray(value) for name, value in variables.items() if not name.startswith("__")}
-    return Table(path, columns, first_row=1)
+        return Table(path, read_variables(path), first_row=1)
+    except MatError as error:
+        raise DataError(f"{path}: {error}; save it again with MATLAB's `save(..., '-v7')`") from None
 
 
 def _check_header(path: Path, names: list[str]) -> None:

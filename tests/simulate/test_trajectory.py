@@ -23,7 +23,7 @@ from tests.closed_form import TRUTH, inverse_model
 SCARA_LIMITS = Limits(
     q=np.array([2.4, 2.4]), qd=np.array([6.0, 6.0]), qdd=np.array([4.5, 45.0]), tau=np.array([16.0, 3.0])
 )
-EMPS_LIMITS = Limits(q=np.array([0.25]), qd=np.array([0.35]), qdd=np.array([2.0]), tau=np.array([280.0]))
+EMPS_LIMITS = Limits(q=np.array([0.12]), qd=np.array([0.35]), qdd=np.array([2.0]), tau=np.array([280.0]))
 
 
 def random_waypoints(seed, K=5, n=2):
