@@ -4,9 +4,14 @@ PD at 100 Hz with a filtered derivative and saturation, held torque, plant by RK
 noise on position and torque as in the experiment's two cases ("disturbed" and "clean" loop).
 """
 
+from functools import cache
+
 import numpy as np
 import pandas as pd
 
+from pipeline.config import Filter, WlsSettings
+from pipeline.paths import EXPERIMENTS
+from pipeline.simulate.trajectory import read_waypoints, sample
 from tests.closed_form import TRUTH, acceleration
 
 RATE = 100.0
@@ -15,6 +20,14 @@ SIGMA_TAU = np.array([1.0, 0.05])
 KP, KD = np.array([[250.0], [8.0]]), np.array([[45.0], [0.9]])
 TAU_MAX = np.array([[40.0], [6.0]])
 TF = 0.02
+SEEDS = tuple(range(60))
+CASES = ("disturbed", "clean")
+IDENTIFICATION, VALIDATION = EXPERIMENTS / "scara_identification.csv", EXPERIMENTS / "scara_validation.csv"
+
+# Table 1 of the paper: no filter; forward filters only; zero-phase filters and decimation.
+WLS_1 = WlsSettings("WLS(1)", Filter("none"), Filter("none"))
+WLS_2 = WlsSettings("WLS(2)", Filter("forward", 10.0), Filter("forward", 4.0), 10, (30, 30))
+WLS_3 = WlsSettings("WLS(3)", Filter("zero-phase", 15.0), Filter("zero-phase", 4.0), 10, (30, 30))
 
 
 def _rk4(q, qd, tau, dt, steps, eps):
@@ -64,3 +77,15 @@ def _frame(trajectory, log):
         columns |= {f"q_{i + 1}": log[0][:, i], f"u_{i + 1}": log[1][:, i], f"tau_{i + 1}": log[1][:, i]}
         columns |= {f"q_true_{i + 1}": log[2][:, i], f"qd_true_{i + 1}": log[3][:, i]}
     return pd.DataFrame(columns, index=pd.Index(trajectory.t, name="time"))
+
+
+@cache
+def records(case):
+    """The identification records of all SEEDS in the noise case "disturbed" or "clean"."""
+    return tuple(simulate(sample(read_waypoints(IDENTIFICATION), RATE), SEEDS, [case == "disturbed"] * len(SEEDS)))
+
+
+@cache
+def validation_record(seed=1000):
+    """One record of the other trajectory, disturbed loop."""
+    return simulate(sample(read_waypoints(VALIDATION), RATE), [seed], [True])[0]

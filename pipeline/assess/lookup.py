@@ -61,7 +61,8 @@ def apart(ours: dict, theirs: dict) -> Apart | None:
         sigma = float(np.hypot(a.get("sigma") or 0.0, b.get("sigma") or 0.0))
         if sigma > 0.0:
             sigmas[name] = abs(a["value"] - b["value"]) / sigma
-        if b["value"] != 0.0:
+        # A parameter that is expected to be zero has no size to be a percentage of.
+        if b["value"] != 0.0 and b.get("a_priori") != 0.0:
             percents[name] = 100.0 * abs(a["value"] / b["value"] - 1.0)
     found = sigmas or percents
     if not found:

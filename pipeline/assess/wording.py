@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 
 def figures(value: float, digits: int = 3) -> str:
-    """`digits` significant figures, plain notation between 1e-4 and 1e6: 0.0154, 3.42, 57, 1.2e-07."""
+    """At least `digits` significant figures, plain notation between 1e-4 and 1e6: 0.0154, 3.42, 1235, 1.20e-07."""
     if not math.isfinite(value):
         return "not finite"
     if value == 0.0:
@@ -15,7 +15,7 @@ def figures(value: float, digits: int = 3) -> str:
     exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
     if not -5 < exponent < 6:
         return f"{value:.{digits - 1}e}"
-    return f"{round(value, digits - 1 - exponent):.{max(0, digits - 1 - exponent)}f}"
+    return f"{value:.{max(0, digits - 1 - exponent)}f}"
 
 
 def with_sigma(value: float, sigma: float | None, unit: str = "") -> str:

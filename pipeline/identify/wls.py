@@ -15,8 +15,8 @@ from pipeline.signals.correlation import autocorrelation
 
 INDEPENDENT_SECONDS = LAG_SECONDS / 4
 """Rows this far apart no longer share the memory of the parallel filter; decimated rows are all this far apart."""
-COLOUR_LIMIT = 0.3
-"""Autocorrelation of the residual above which sigma is not trusted: AR(1) noise of 0.3 understates sigma by 1.36."""
+COLOUR_LIMIT = 0.35
+"""Autocorrelation of the residual above which sigma is not trusted: AR(1) noise of 0.35 understates sigma by 1.44."""
 
 
 def wls(regression: Regression, name: str, units: Sequence[str]) -> Estimate:
