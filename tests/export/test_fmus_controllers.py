@@ -105,6 +105,18 @@ def test_in_model_exchange_a_second_event_at_the_same_instant_changes_nothing(ar
             assert np.abs(instance.get("tau_1", "tau_2") - tau).max() <= 4e-11
 
 
+def test_in_co_simulation_a_step_of_zero_ticks_and_the_next_one_does_not_tick_again(archives):
+    expected = SampledPD()
+    with archives("scara_controller").co_simulation() as instance:
+        for k in range(3):
+            instance.set(q_1=0.01 * k + 0.01)
+            instance.step(k * TS, 0.0)
+            tau = expected.tick(np.zeros(2), np.zeros(2), np.array([0.01 * k + 0.01, 0.0]))
+            instance.set(q_1=7.0)
+            instance.step(k * TS, TS)
+            assert np.abs(instance.get("tau_1", "tau_2") - tau).max() <= 4e-11
+
+
 def test_a_start_between_two_samples_waits_for_the_next_one(archives):
     with archives("scara_controller").co_simulation(start=0.005) as instance:
         instance.set(qr_1=0.01)

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from pipeline.paths import EXPERIMENTS
+from pipeline.simulate.trajectory import read_waypoints, sample
 from tests.export.oracles import EMPS, SCARA, SampledPD, TwoLoop, emps_rhs, held, scara_rhs
 
 OUT = ("q_1", "q_2", "qd_1", "qd_2", "tau_1", "tau_2")
@@ -80,6 +82,19 @@ def test_a_loop_stepped_coarser_than_its_controller_ticks_in_between(archives):
         for k in range(5):
             coarse.step(0.1 * k, 0.1)
         assert np.abs(fine.get(*OUT) - coarse.get(*OUT)).max() < 1e-8
+
+
+def test_on_the_exciting_trajectory_the_loop_is_within_1e_8_rad_of_radau(archives):
+    trajectory = sample(read_waypoints(EXPERIMENTS / "scara_identification.csv"), 100.0)
+    x = np.concatenate([trajectory.q[0], np.zeros(2)])
+    f, pd = scara_rhs(SCARA), SampledPD(q_start=x[:2])
+    with archives("scara_closed_loop").co_simulation(q_start_1=x[0], q_start_2=x[1]) as instance:
+        for k in range(600):
+            instance.set(**scara_ports(trajectory.q[k], trajectory.qd[k]))
+            instance.step(0.01 * k, 0.01)
+            x = held(f, x, pd.tick(trajectory.q[k], trajectory.qd[k], x[:2]), 0.01)
+            error = np.abs(instance.get("q_1", "q_2", "qd_1", "qd_2") - x)
+            assert error[:2].max() < 1e-8 and error[2:].max() < 1e-7
 
 
 def emps_signals(N):
