@@ -31,6 +31,18 @@ REFUSED = {
     "terminals": "terminal()",
     "delays": "delay()",
 }
+KINDS_OF_ENTRIES = {
+    "continuous_equation_operations": {"residual", "structured"},
+    "initialization_equation_operations": {"residual", "structured"},
+    "initial_discrete_values": {"target", "value"},
+    "discrete_real_equations": {"residual", "activation"},
+    "discrete_value_owners": {"targets", "branches", "structure", "observed"},
+    "relations": {"relation"},
+    "conditions": {"node"},
+    "roots": {"root"},
+    "event_actions": {"trigger", "guard", "kind"},
+    "clocks": {"kind"},
+}
 REFUSED_FLAT = {
     "initial_assert_equations": "an assert in the initial equations",
     "initial_algorithms": "an initial algorithm",
@@ -117,6 +129,10 @@ def check_complete(source: Source) -> None:
         if key in TRANSLATED | BOOKKEEPING or not value:
             continue
         raise source.refuse(f"{REFUSED.get(key, f'the section {key} of the DAE')} cannot be exported", value)
+    for key, kinds in KINDS_OF_ENTRIES.items():
+        for entry in source.dae[key]:
+            if not set(entry) - {"provenance"} <= kinds:
+                raise source.refuse(f"an entry of {key} with {', '.join(sorted(entry))} cannot be exported", entry)
     for key, what in REFUSED_FLAT.items():
         if source.flat[key]:
             raise source.refuse(f"{what} cannot be exported: remove it", source.flat[key])

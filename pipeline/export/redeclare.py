@@ -55,10 +55,20 @@ def find_classes(file: int, code: str) -> Iterator[ClassText]:
 
 def used_classes(first: str, classes: list[ClassText], codes: Mapping[int, str]) -> set[str]:
     """Names of the classes that can be reached from `first` by the words of their texts."""
-    words = {c: set(WORD.findall(codes[c.file][c.start : c.end])) for c in classes}
+    words = {c: set(WORD.findall(own_text(c, classes, codes[c.file]))) for c in classes}
     names, used, fresh = {c.name for c in classes}, {first}, {first}
     while fresh:
         named = {word for c in classes if c.name in fresh for word in words[c] & names}
         fresh = named - used
         used |= fresh
     return used
+
+
+def own_text(outer: ClassText, classes: list[ClassText], code: str) -> str:
+    """The text of a class without the classes it contains."""
+    inside = [c for c in classes if c.file == outer.file and outer.start < c.start and c.end <= outer.end]
+    pieces, position = [], outer.start
+    for c in sorted(inside, key=lambda c: c.start):
+        pieces.append(code[position : c.start])
+        position = max(c.end, position)
+    return " ".join([*pieces, code[position : outer.end]])

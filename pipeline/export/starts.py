@@ -79,3 +79,5 @@ def _check_known(expressions: Expressions, entries: list[Entry], starts: dict[st
                 what = f"the start value of {name} depends on {symbol.name()}, which is not a parameter"
                 raise expressions.source.refuse(what)
         scalars[name].start = number(starts[name])
+        if scalars[name].kind == "input" and scalars[name].start is None:
+            raise expressions.source.refuse(f"the start value of the input {name} must be a number")
