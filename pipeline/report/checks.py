@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import cycle
+
 import numpy as np
 
 from pipeline.report.motion import TIME
 from pipeline.report.panels import Bars, Level, Panel, line
 from pipeline.report.record import slug
-from pipeline.report.run import Run, has, times
+from pipeline.report.run import FILTER_COLOURS, Run, has, times
 from pipeline.report.text import number, unit_text, with_unit
 
 LAGS = 40
@@ -27,8 +29,11 @@ def prediction_panels(run: Run) -> list[Panel]:
 
 def _prediction(run: Run, table, joint: int, names: list[str]) -> Panel:
     reading = np.asarray(table[f"tau_{joint}"], float)
-    curves = [line("measured", times(table), reading, "measured")]
-    curves += [_predicted(run, table, joint, n, hidden=n != _shown(run, names)) for n in names]
+    curves = [line("measured", times(table), reading, "measured", wide=True)]
+    shown = _shown(run, names)
+    for n, colour in _colours(names, shown).items():
+        values = np.asarray(table[f"tau_{joint} [{n}]"], float)
+        curves.append(line(n, times(table), values, colour, hidden=n != shown))
     return Panel(
         key=f"prediction-{joint}",
         title=f"{run.joint_name(joint)}, {run.force.lower()} predicted",
@@ -45,9 +50,9 @@ def _error(run: Run, table, joint: int, names: list[str]) -> Panel:
     reading = np.asarray(table[f"tau_{joint}"], float)
     shown = _shown(run, names)
     curves = []
-    for n in names:
+    for n, colour in _colours(names, shown).items():
         gap = reading - np.asarray(table[f"tau_{joint} [{n}]"], float)
-        curves.append(line(n, times(table), gap, run.colour(n), hidden=n != shown))
+        curves.append(line(n, times(table), gap, colour, hidden=n != shown))
     rms = {n: float(np.sqrt(np.nanmean((reading - np.asarray(table[f"tau_{joint} [{n}]"])) ** 2))) for n in names}
     return Panel(
         key=f"prediction-error-{joint}",
@@ -62,9 +67,10 @@ def _error(run: Run, table, joint: int, names: list[str]) -> Panel:
     )
 
 
-def _predicted(run: Run, table, joint: int, name: str, hidden: bool):
-    values = np.asarray(table[f"tau_{joint} [{name}]"], float)
-    return line(name, times(table), values, run.colour(name), hidden=hidden)
+def _colours(names: list[str], shown: str) -> dict[str, str]:
+    """A colour for each estimate, the one shown at first in that of the least squares."""
+    others = [n for n in names if n != shown]
+    return {shown: "wls"} | dict(zip(others, cycle(("ekf", *FILTER_COLOURS)), strict=False))
 
 
 def _shown(run: Run, names: list[str]) -> str:

@@ -111,7 +111,7 @@ def _ends(run: Run, parameter: str, names: list[str], aim: tuple[str, float] | N
         if not ok(estimate):
             ends.append(f"{name} failed")
         elif found.get("value") is not None:
-            ends.append(f"{name} {plus_minus(found['value'], found.get('sigma'))}")
+            ends.append(f"{name} {plus_minus(found['value'], found.get('sigma'), run.resolution(parameter))}")
     aims = f"; {aim[0]} {short(aim[1])}" if aim else ""
     unit = unit_text(run.parameters[parameter].get("unit", ""))
     return f"At the end: {', '.join(ends)}{aims} {unit}".strip() + "."

@@ -9,7 +9,7 @@ from pipeline.report.html import Html, tag
 from pipeline.report.run import Run, ok, target, trusted
 from pipeline.report.text import number, plus_minus, unit_text
 
-PLOT, RIGHT, ROW, TOP, FOOT = 150, 128, 18, 8, 26
+PLOT, ROW, TOP, FOOT = 140, 18, 8, 26
 
 
 def interval_plots(run: Run) -> Html:
@@ -25,16 +25,17 @@ def _figure(run: Run, parameter: str) -> Html:
     return tag(
         "figure",
         tag("h4", parameter, tag("small", f" in {unit}" if unit else "")),
-        tag("div", _svg(parameter, rows, aim), class_="scroll"),
+        tag("div", _svg(parameter, rows, aim, run.resolution(parameter)), class_="scroll"),
         class_="interval",
         role="group",
         aria_label=f"{parameter}: every estimate with ±2σ",
     )
 
 
-def _svg(parameter: str, rows: list, aim: tuple[str, float] | None) -> Html:
+def _svg(parameter: str, rows: list, aim: tuple[str, float] | None, resolution: float | None) -> Html:
     low, high = _range(rows, aim)
     left = 16 + 6.6 * max(len(name) for name, _, _ in rows)
+    texts = [_text(e, p, resolution) for _, e, p in rows]
     height = TOP + ROW * len(rows) + FOOT
 
     def x(value: float) -> float:
@@ -45,13 +46,13 @@ def _svg(parameter: str, rows: list, aim: tuple[str, float] | None) -> Html:
     parts += [_tick(v, x(v), base) for v in _ticks(low, high)]
     if aim:
         parts.append(tag("line", class_="aim", x1=x(aim[1]), x2=x(aim[1]), y1=2, y2=base))
-    parts += [_row(row, TOP + ROW * (k + 0.5), left, x, low, high) for k, row in enumerate(rows)]
-    label = f"Interval plot of {parameter}; " + "; ".join(f"{n} {_text(e, p)}" for n, e, p in rows)
-    width = left + PLOT + RIGHT
+    parts += [_row(row, texts[k], TOP + ROW * (k + 0.5), left, x, low, high) for k, row in enumerate(rows)]
+    label = f"Interval plot of {parameter}; " + "; ".join(f"{n} {t}" for (n, _, _), t in zip(rows, texts, strict=True))
+    width = left + PLOT + 16 + 7 * max(len(t) for t in texts)
     return tag("svg", parts, viewBox=f"0 0 {width:g} {height}", width=f"{width:g}", role="img", aria_label=label)
 
 
-def _row(row: tuple, y: float, left: float, x: Callable[[float], float], low: float, high: float) -> Html:
+def _row(row: tuple, text: str, y: float, left: float, x: Callable[[float], float], low: float, high: float) -> Html:
     name, estimate, parameter = row
     kind = (estimate.get("method") or "").lower()
     parts = [tag("text", name, x=f"{left - 10:g}", y=y + 4, class_="name")]
@@ -65,16 +66,16 @@ def _row(row: tuple, y: float, left: float, x: Callable[[float], float], low: fl
                 ends = [x(min(max(value + s * sigma, low), high)) for s in (-2, 2)]
                 parts.append(tag("line", class_="bar", x1=ends[0], x2=ends[1], y1=y, y2=y))
             parts.append(tag("circle", cx=x(value), cy=y, r=3.2, class_="dot" if trusted(estimate) else "dot hollow"))
-    parts.append(tag("text", _text(estimate, parameter), x=f"{left + PLOT + 10:g}", y=y + 4, class_="value"))
+    parts.append(tag("text", text, x=f"{left + PLOT + 10:g}", y=y + 4, class_="value"))
     return tag("g", parts, class_=f"row {kind}" if kind.isalpha() else "row")
 
 
-def _text(estimate: dict, parameter: dict) -> str:
+def _text(estimate: dict, parameter: dict, resolution: float | None) -> str:
     if not ok(estimate):
         return "failed"
     if parameter.get("value") is None:
         return "not estimated"
-    return plus_minus(parameter["value"], parameter.get("sigma"))
+    return plus_minus(parameter["value"], parameter.get("sigma"), resolution)
 
 
 def _tick(value: float, x: float, base: float) -> Html:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.report.panels import Line, Panel, line
+from pipeline.report.panels import POINTS, Line, Panel, line
 from pipeline.report.record import slug
 from pipeline.report.run import Run, has, times, trusted
 from pipeline.report.text import number, unit_text, with_unit
@@ -73,7 +73,7 @@ def _state(run: Run, name: str, joint: int, kind: str, figure: int | None, measu
     curves, summary = [], f"No measured {word} beside it."
     if has(measured, source):
         reading = np.asarray(measured[source], float)
-        curves.append(line(shown, times(measured), reading, "measured"))
+        curves.append(line(shown, times(measured), reading, "measured", wide=True))
         gap = values - np.interp(times(table), times(measured), reading)
         summary = f"RMS of estimated minus measured: {number(_rms(gap), 2)} {unit}."
     curves.append(line(name, times(table), values, run.colour(name), sigma))
@@ -137,7 +137,7 @@ def _closed_loop(run: Run, which: str, table, joint: int, kind: str) -> Panel:
         key=f"loop-{which}-{kind}-{joint}",
         title=f"{run.joint_name(joint)}, {word}, {which} run",
         series=(
-            line("measured", time, reading, "measured"),
+            line("measured", time, reading, "measured", wide=True),
             line("simulated closed loop", time, simulated, "c2"),
             line("difference", time, reading - simulated, "c4", hidden=True),
         ),
@@ -161,7 +161,7 @@ def _words(run: Run, kind: str) -> tuple[str, str]:
 
 
 def _drawn(samples: int) -> str:
-    return f"Drawn with the extremes of {samples:,} samples." if samples > 2500 else ""
+    return f"Drawn with the extremes of {samples:,} samples." if samples > POINTS else ""
 
 
 def _finite(values: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from pipeline.report.html import Html, join, script_data, tag
 from pipeline.report.intervals import interval_plots
 from pipeline.report.panels import Panel, Store
 from pipeline.report.record import read_run, write_text
-from pipeline.report.run import Run
+from pipeline.report.run import Run, trusted
 
 PAGE = "index.html"
 
@@ -81,9 +81,9 @@ def _sections(run: Run, store: Store) -> Iterable[Section | None]:
     def part(title: str, panels: list[Panel]) -> Html | None:
         return join(tag("h3", title), grid(panels)) if panels else None
 
-    def folded(title: str, panels: list[Panel], kind: str = "panels") -> Html | None:
+    def folded(title: str, panels: list[Panel], kind: str = "panels", opened: bool = False) -> Html | None:
         shown = grid(panels, kind)
-        return tag("details", tag("summary", title), shown, class_="more") if shown else None
+        return tag("details", tag("summary", title), shown, class_="more", open=opened) if shown else None
 
     yield _section("findings", "What the comparison says", summary.findings(run))
     yield _section("errors", "What failed", summary.errors(run))
@@ -126,11 +126,15 @@ def _sections(run: Run, store: Store) -> Iterable[Section | None]:
         grid(checks.residual_panels(run, best), "panels three") if best in batch else None,
         [folded(f"Residuals of {n}", checks.residual_panels(run, n), "panels three") for n in batch if n != best],
     )
+    sound = next((n for n in run.by_method("EKF") if trusted(run.estimates[n])), None)
     yield _section(
         "innovations",
         "Innovations of the filters",
         tests.filter_tests(run),
-        [folded(f"Innovations of {n}", checks.innovation_panels(run, n)) for n in run.by_method("EKF")],
+        [
+            folded(f"Innovations of {n}", checks.innovation_panels(run, n), opened=n == sound)
+            for n in run.by_method("EKF")
+        ],
     )
     yield _section(
         "closed-loop",

@@ -14,14 +14,15 @@ import numpy as np
 
 from pipeline.report.html import Html, tag
 
-POINTS = 2500
+POINTS = 2600  # a run of 25 s at 100 Hz is drawn sample by sample
 
 
 @dataclass(frozen=True)
 class Line:
     """A curve: x (N,), y (N,), and where given half (N,), the half width of a band around it (2 sigma).
 
-    colour names a `--c-…` colour of style.css; `hidden` starts it switched off in the legend.
+    colour names a `--c-…` colour of style.css; `hidden` starts it switched off in the legend; `wide`: it
+    lies under another that is expected to cover it.
     """
 
     label: str
@@ -31,6 +32,7 @@ class Line:
     half: np.ndarray | None = None
     dash: bool = False
     hidden: bool = False
+    wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,7 @@ class Store:
         shown |= {"x": self.put(series.x), "y": self.put(series.y)}
         if isinstance(series, Bars):
             return shown | {"width": float(series.width)}
-        shown |= {"dash": series.dash, "hidden": series.hidden}
+        shown |= {"dash": series.dash, "hidden": series.hidden, "wide": series.wide}
         return shown if series.half is None else shown | {"half": self.put(series.half)}
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 from pipeline.report.html import Html, tag
 from pipeline.report.run import Run, ok
 from pipeline.report.text import DASH, estimate, number, plus_minus, short, sigma_text, unit_text
@@ -30,13 +32,13 @@ def _reference_table(run: Run, printed: dict) -> Html:
         cells = _lead(run, p)
         for name, column in theirs.items():
             cells += _printed((column.get("parameters") or {}).get(p) or {})
-            cells += _ours(run.estimates.get(ours[name]), p, i, len(names), ours[name])
+            cells += _ours(run, ours[name], p, i, len(names))
         rows.append(tag("tr", cells))
     caption = (
         "Printed: as the reference gives it. Good: ours near the truth, or near the a-priori value, by few σ;"
         " where the reference shows a bias, ours shows the same one. Bad: a value many of its own σ away."
     )
-    return table(printed.get("title") or "Reference", [top, head], rows, caption)
+    return table(printed.get("title") or "Reference", [top, head], rows, caption, _notes(run, ours.values()))
 
 
 def estimates_table(run: Run) -> Html:
@@ -51,11 +53,11 @@ def estimates_table(run: Run) -> Html:
         if any(about.get(key) is not None for about in run.parameters.values()):
             cells = [_cell(short(about.get(key))) for about in run.parameters.values()]
             rows.append(tag("tr", tag("th", label, scope="row"), cells, tag("td", ""), class_="aim"))
-    rows += [_estimate_row(n, e, names) for n, e in run.estimates.items()]
+    rows += [_estimate_row(run, n, e, names) for n, e in run.estimates.items()]
     return table("Every estimate of this run", [head], rows, "Value ± σ, and below it 100 σ/|value|.")
 
 
-def _estimate_row(name: str, found: dict, parameters: list[str]) -> Html:
+def _estimate_row(run: Run, name: str, found: dict, parameters: list[str]) -> Html:
     head = tag("th", name, scope="row")
     if not ok(found):
         return tag("tr", head, _reason("failed", found.get("reason"), 1, len(parameters) + 1))
@@ -67,7 +69,7 @@ def _estimate_row(name: str, found: dict, parameters: list[str]) -> Html:
             continue
         relative = about.get("relative_sigma_percent")
         small = tag("small", f"{number(relative, 2)} %") if relative is not None and about.get("sigma") else None
-        cells.append(tag("td", plus_minus(about["value"], about.get("sigma")), small))
+        cells.append(tag("td", plus_minus(about["value"], about.get("sigma"), run.resolution(p)), small))
     why = found.get("sigma_reason")
     return tag("tr", head, cells, _reason("withheld", why, 1, 1) if why else tag("td", "shown", class_="text"))
 
@@ -100,9 +102,9 @@ def _tuning_table(run: Run, title: str, names: list[str], caption: str) -> Html:
         for name in names:
             start = ((run.estimates[name].get("parameters") or {}).get(p) or {}).get("start")
             cells.append(tag("td", short(start), class_="group printed"))
-            cells += _ours(run.estimates[name], p, i, len(parameters), name)
+            cells += _ours(run, name, p, i, len(parameters))
         rows.append(tag("tr", cells))
-    return table(title, [top, head], rows + _settings_rows(run, names), caption)
+    return table(title, [top, head], rows + _settings_rows(run, names), caption, _notes(run, names))
 
 
 def _settings_rows(run: Run, names: list[str]) -> list[Html]:
@@ -123,7 +125,7 @@ def _settings_rows(run: Run, names: list[str]) -> list[Html]:
 def _setting(value: object) -> str:
     if isinstance(value, list):
         return ", ".join(_setting(v) for v in value)
-    return short(value) if isinstance(value, int | float) else str(DASH if value is None else value)
+    return f"{value:.3g}".replace("-", "−") if isinstance(value, int | float) else str(DASH if value is None else value)
 
 
 def _truths(run: Run) -> bool:
@@ -149,21 +151,22 @@ def _printed(parameter: dict) -> list[Html]:
     ]
 
 
-def _ours(found: dict | None, parameter: str, row: int, rows: int, name: str) -> list[Html]:
+def _ours(run: Run, name: str, parameter: str, row: int, rows: int) -> list[Html]:
     """The three cells of our estimate; a reason spans all rows where there is no value or no sigma to show."""
+    found = run.estimates.get(name)
     if found is None:
         return [_reason("", f"{name} was not run", rows, 3)] if row == 0 else []
     if not ok(found):
-        return [_reason("failed", found.get("reason"), rows, 3)] if row == 0 else []
+        return [_reason("failed", _brief(found.get("reason")), rows, 3)] if row == 0 else []
     about = (found.get("parameters") or {}).get(parameter) or {}
     value, sigma = about.get("value"), about.get("sigma")
     if value is None:
         held = (found.get("held") or {}).get(parameter) or "not estimated"
         cells = [tag("td", held, colspan="1" if found.get("sigma_reason") else "3", class_="reason flat")]
     else:
-        cells = [_cell(estimate(value, sigma))]
+        cells = [_cell(estimate(value, sigma or run.resolution(parameter)))]
     if found.get("sigma_reason"):
-        return cells + ([_reason("σ withheld", found["sigma_reason"], rows, 2)] if row == 0 else [])
+        return cells + ([_reason("σ withheld", _brief(found["sigma_reason"]), rows, 2)] if row == 0 else [])
     if value is None:
         return cells
     relative = about.get("relative_sigma_percent")
@@ -175,17 +178,29 @@ def _reason(word: str, why: str | None, rows: int, columns: int) -> Html:
     return tag("td", tag("div", *text, why or ""), rowspan=str(rows), colspan=str(columns), class_="reason")
 
 
+def _brief(why: str | None) -> str:
+    """The first clause of a long reason; the whole stands below the table (see _notes)."""
+    first = (why or "").split("; ")[0]
+    return first if len(first) == len(why or "") else f"{first} …"
+
+
+def _notes(run: Run, names: Iterable[str]) -> list[Html]:
+    """The reasons of which a table shows the first clause, in full."""
+    reasons = {n: e.get("sigma_reason") or e.get("reason") or "" for n in names if (e := run.estimates.get(n))}
+    return [tag("p", tag("b", n), f": {why}", class_="note") for n, why in reasons.items() if _brief(why) != why]
+
+
 def _cell(text: str) -> Html:
     return tag("td", text)
 
 
-def table(title: str, heads: list[list[Html]], rows: list[Html], caption: str) -> Html:
-    """A titled table that scrolls in its own box."""
+def table(title: str, heads: list[list[Html]], rows: list[Html], caption: str, notes: Sequence[Html] = ()) -> Html:
+    """A titled table that scrolls in its own box, with its caption and notes below."""
     inner = tag("table", tag("thead", [tag("tr", h) for h in heads]), tag("tbody", rows))
     return tag(
         "figure",
         tag("h4", title),
         tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=title),
-        tag("figcaption", caption),
+        tag("figcaption", caption, *notes),
         class_="sheet",
     )

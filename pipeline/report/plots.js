@@ -87,7 +87,7 @@ function addSeries(figure, series, look, alpha) {
     drawn.push(figure.varea({...band, fill_color: colour, fill_alpha: alpha, visible}));
   }
   const line = {x: {field: "x"}, y: {field: "y"}, source};
-  drawn.push(figure.line({...line, line_color: colour, line_width: 1.4, line_dash: dash, visible}));
+  drawn.push(figure.line({...line, line_color: colour, line_width: series.wide ? 3.2 : 1.4, line_dash: dash, visible}));
   return drawn;
 }
 

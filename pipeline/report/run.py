@@ -54,6 +54,11 @@ class Run:
         batch = [n for n, e in self.estimates.items() if e.get("method") == "WLS" and ok(e)]
         return next((n for n in batch if self.estimates[n].get("essential")), batch[-1] if batch else None)
 
+    def resolution(self, parameter: str) -> float | None:
+        """The recommended estimate's sigma: it sets the digits of values whose own sigma is withheld."""
+        best = self.estimates.get(self.recommended or "", {})
+        return ((best.get("parameters") or {}).get(parameter) or {}).get("sigma")
+
     @property
     def position_unit(self) -> str:
         return self.record["experiment"].get("position_unit", "")

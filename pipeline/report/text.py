@@ -39,9 +39,9 @@ def sigma_text(sigma: float | None) -> str:
     return number(sigma, 2)
 
 
-def plus_minus(value: float | None, sigma: float | None) -> str:
-    """`3.4193 ± 0.0084`, or the value alone where sigma is not known."""
-    return number(value) if not sigma else f"{estimate(value, sigma)} ± {sigma_text(sigma)}"
+def plus_minus(value: float | None, sigma: float | None, resolution: float | None = None) -> str:
+    """`3.4193 ± 0.0084`; where sigma is not known the value alone, with the digits of `resolution` if given."""
+    return estimate(value, resolution) if not sigma else f"{estimate(value, sigma)} ± {sigma_text(sigma)}"
 
 
 def unit_text(unit: str) -> str:

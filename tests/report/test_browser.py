@@ -13,7 +13,7 @@ PLOTS = "document.querySelectorAll('.plot').length"
 
 
 def until(page, expression):
-    """Wait until a JavaScript expression holds; playwright's own waiting needs eval, which the page's policy forbids."""
+    """Wait until a JavaScript expression holds (playwright's own waiting needs eval, which the page forbids)."""
     for _ in range(200):
         if page.evaluate(expression):
             return
