@@ -162,6 +162,15 @@ def test_the_two_loop_controller_is_the_recursion(archives):
     assert 20 < saturated < 380
 
 
+def test_a_motion_that_goes_on_as_it_began_has_its_velocity_from_the_first_tick_on(archives):
+    with archives("emps_controller").co_simulation(q_start=0.3, qd_start=0.02) as instance:
+        for k in range(5):
+            q = 0.3 + 0.02 * 1e-3 * k
+            instance.set(qr=q, q=q)
+            instance.step(1e-3 * k, 1e-3)
+            assert instance.get("u") == pytest.approx(-243.45 * 0.02, rel=1e-9)
+
+
 @pytest.mark.parametrize(("file", "rms", "worst"), [("DATA_EMPS", 0.004, 0.05), ("DATA_EMPS_PULSES", 0.005, 0.05)])
 def test_the_recorded_command_comes_out_of_the_recorded_motion(archives, emps_data, file, rms, worst):
     """Open loop on the measured position: the order of pulse and limit, and the past before the first sample."""
