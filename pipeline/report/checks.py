@@ -11,8 +11,9 @@ from pipeline.report.panels import Bars, Level, Panel, line
 from pipeline.report.record import slug
 from pipeline.report.run import FILTER_COLOURS, Run, has, times
 from pipeline.report.text import number, unit_text, with_unit
+from pipeline.signals.correlation import autocorrelation
 
-LAGS = 40
+LAGS = 20
 BINS = 31
 
 
@@ -162,13 +163,6 @@ def _correlation_range(r: np.ndarray, bound: float) -> tuple[float, float]:
     return low - 0.12 * (high - low), high + 0.12 * (high - low)
 
 
-def autocorrelation(values: np.ndarray, lags: int) -> np.ndarray:
-    """The sample autocorrelation (lags,) of a series (N,) at lags 1…"""
-    x = values - values.mean()
-    power = float(x @ x) or 1.0
-    return np.array([float(x[:-k] @ x[k:]) / power for k in range(1, lags + 1)])
-
-
 def innovation_panels(run: Run, name: str) -> list[Panel]:
     """A filter's innovations with ±2 √S and their autocorrelation per joint, and its NIS."""
     table = run.table(name)
@@ -184,7 +178,7 @@ def innovation_panels(run: Run, name: str) -> list[Panel]:
 def _innovation(run: Run, name: str, table, joint: int) -> list[Panel]:
     base = f"innovation-{slug(name)}-{joint}", f"{run.joint_name(joint)}, innovation of {name}"
     values = np.asarray(table[f"innovation_{joint}"], float)
-    sigma = np.sqrt(np.abs(np.asarray(table[f"S_{joint}"], float))) if has(table, f"S_{joint}") else None
+    sigma = np.sqrt(np.asarray(table[f"S_{joint}"], float)) if has(table, f"S_{joint}") else None
     curves = [line("innovation", times(table), values, run.colour(name), limit=1250)]
     inside = ""
     if sigma is not None:
@@ -203,7 +197,7 @@ def _innovation(run: Run, name: str, table, joint: int) -> list[Panel]:
         caption="Good: noise that fills the band. Bad: far inside it (R or Q too large), outside it (too small),"
         " or a course that follows the motion (model error).",
     )
-    return [over_time, _correlogram(base, values)]
+    return [over_time, _correlogram(base, values if sigma is None else values / sigma)]
 
 
 def _nis(run: Run, name: str, table, block: int = 100) -> Panel:

@@ -93,6 +93,7 @@ def _sections(run: Run, store: Store) -> Iterable[Section | None]:
         tag("p", INTERVALS, class_="lead"),
         interval_plots(run),
         parameters.reference_tables(run),
+        parameters.essential_table(run),
         tag("details", tag("summary", "Every estimate of this run"), parameters.estimates_table(run)),
     )
     yield _section("tunings", "Tunings of the filter", parameters.tuning_tables(run))

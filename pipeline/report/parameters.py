@@ -74,6 +74,28 @@ def _estimate_row(run: Run, name: str, found: dict, parameters: list[str]) -> Ht
     return tag("tr", head, cells, _reason("withheld", why, 1, 1) if why else tag("td", "shown", class_="text"))
 
 
+def essential_table(run: Run) -> Html | None:
+    """The essential parameters of the recommended estimate: what was left out, and the rest estimated again."""
+    name = run.recommended
+    found = run.estimates[name].get("essential") if name else None
+    if not found or not found.get("dropped"):
+        return None
+    dropped, again = dict(found["dropped"]), found.get("parameters") or {}
+    rows = []
+    for p, about in run.estimates[name]["parameters"].items():
+        why = f"left out, {number(dropped[p], 2)} %" if p in dropped else None
+        new = again.get(p) or {}
+        cells = [_cell(plus_minus(about.get("value"), about.get("sigma"))), _cell(short(about.get("a_priori")))]
+        cells.append(tag("td", why, class_="printed") if why else _cell(plus_minus(new.get("value"), new.get("sigma"))))
+        rows.append(tag("tr", _lead(run, p)[0], cells))
+    head = [tag("th", h, scope="col") for h in ("Parameter", name, "a priori", "essential ones only")]
+    caption = (
+        "The parameter with the largest relative σ goes first, while it exceeds the limit; the rest is estimated again."
+        " Good: the others hardly move. Bad: they do: the parameter left out mattered."
+    )
+    return table("Essential parameters", [head], rows, caption)
+
+
 def tuning_tables(run: Run) -> list[Html]:
     """For every filter that ran with more than one tuning, or from more than one start: the runs side by side."""
     filters = [n for n, e in run.estimates.items() if e.get("method") == "EKF" and not run.is_euler(n)]
@@ -101,7 +123,7 @@ def _tuning_table(run: Run, title: str, names: list[str], caption: str) -> Html:
         cells = _lead(run, p)
         for name in names:
             start = ((run.estimates[name].get("parameters") or {}).get(p) or {}).get("start")
-            cells.append(tag("td", short(start), class_="group printed"))
+            cells.append(tag("td", short(start, 4), class_="group printed"))
             cells += _ours(run, name, p, i, len(parameters))
         rows.append(tag("tr", cells))
     return table(title, [top, head], rows + _settings_rows(run, names), caption, _notes(run, names))
@@ -125,7 +147,7 @@ def _settings_rows(run: Run, names: list[str]) -> list[Html]:
 def _setting(value: object) -> str:
     if isinstance(value, list):
         return ", ".join(_setting(v) for v in value)
-    return f"{value:.3g}".replace("-", "−") if isinstance(value, int | float) else str(DASH if value is None else value)
+    return short(value, 3) if isinstance(value, int | float) else str(DASH if value is None else value)
 
 
 def _truths(run: Run) -> bool:

@@ -31,8 +31,8 @@ def excitation(run: Run) -> Html | None:
     ]
     head = [tag("th", h, scope="col") for h in ("", *columns)]
     caption = (
-        "W: the weighted observation matrix; Φ: its columns times the a-priori values. Good: small (the paper's"
-        " trajectory has 290 and 100), so that all parameters are found with like accuracy. Bad: thousands."
+        "W: the weighted observation matrix; Φ: its columns times the a-priori values. Good: up to a few hundred, so"
+        " that all parameters are found with like accuracy. Bad: thousands."
     )
     return table("Condition numbers", [head], rows, caption)
 
@@ -97,7 +97,8 @@ def closed_loop(run: Run) -> Html | None:
         rows.append(_row(f"{k} run, as printed", [_percent(errors.get(s)) for s in signals]))
     head = [tag("th", h, scope="col") for h in ("", *signals)]
     caption = (
-        "Relative difference of measurement and simulation. Good: position far below velocity, velocity below force."
+        "Relative difference of measurement and simulation. Good: position far below velocity,"
+        " velocity below force. Bad: a position that drifts away."
     )
     return table("Relative differences", [head], rows, caption)
 

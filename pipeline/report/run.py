@@ -11,6 +11,7 @@ import pandas as pd
 from pipeline.report.text import unit_text
 
 PAPER_TUNINGS = (None, "", "paper")
+FEW = 10  # rows below which there is nothing to draw
 FILTER_COLOURS = ("c2", "c3", "c4", "c5", "c6")
 
 
@@ -81,7 +82,7 @@ class Run:
         """The signals of an estimate; None where there are none to draw, as of a filter that failed at once."""
         path = self.estimates[name].get("signals")
         table = self.signals.get(Path(path).stem) if path else None
-        return table if table is not None and len(table) > 1 else None
+        return table if table is not None and len(table) > FEW else None
 
     def by_method(self, method: str) -> list[str]:
         """Names of the estimates of a method that have signals."""

@@ -21,9 +21,9 @@ def number(value: float | None, digits: int = 4) -> str:
     return _minus(f"{mantissa}e{int(power)}")
 
 
-def short(value: float | None) -> str:
-    """A printed constant as it was printed: 0.51, 24, −0.66."""
-    return DASH if value is None else _minus(f"{value:g}")
+def short(value: float | None, digits: int = 10) -> str:
+    """A constant without trailing zeros, as it was printed or to `digits`: 0.51, 24, −0.66."""
+    return DASH if value is None else _minus(f"{value:.{digits}g}")
 
 
 def estimate(value: float | None, sigma: float | None) -> str:

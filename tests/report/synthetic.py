@@ -42,11 +42,10 @@ def scara(samples=2500):
     good = list(np.array(TRUTH) + np.array(SIGMA) * rng.standard_normal(8))
     for name, values, scale in (("WLS(1)", biased, 3), ("WLS(2)", forward, 1.5), ("WLS(3)", good, 1), ("RLS", good, 1)):
         estimates[name] = _estimate(name, "RLS" if name == "RLS" else "WLS", values, np.array(SIGMA) * scale)
-    estimates["WLS(3)"]["essential"] = {
-        "kept": list(UNITS)[:1] + list(UNITS)[2:5] + list(UNITS)[6:],
-        "dropped": [["LMY2", 900.0], ["Fv1", 37.0]],
-        "parameters": {},
-    }
+    kept = [p for p in UNITS if p not in ("LMY2", "Fv1")]
+    again = {p: estimates["WLS(3)"]["parameters"][p] for p in kept}
+    dropped = [["LMY2", 900.0], ["Fv1", 37.0]]
+    estimates["WLS(3)"]["essential"] = {"kept": kept, "dropped": dropped, "parameters": again}
     estimates["EKF(1)"] = {
         "status": "failed",
         "reason": SINGULAR,

@@ -120,6 +120,21 @@ def test_a_failed_estimate_shows_its_reason_and_no_number(texts):
     assert parameters.count("EKF(1) failed") == 1 + len(synthetic.UNITS)
 
 
+def test_essential_parameters_and_what_was_left_out(texts):
+    assert re.search(
+        r"Fv1 N·m·s/rad 0\.\d+ ± 0\.026 0\.07 left out, 37 %", words(section(texts["scara"], "parameters"))
+    )
+    assert "Essential parameters" not in words(section(texts["emps"], "parameters"))
+
+
+def test_a_long_reason_is_cut_in_the_table_and_whole_below():
+    record, signals = synthetic.scara(samples=50)
+    record["estimates"]["EKF(2)"]["sigma_reason"] = "mean NIS is low; joint 1 is coloured; joint 2 is too"
+    parameters = words(section(page(record, signals), "parameters"))
+    assert "σ withheld : mean NIS is low …" in parameters
+    assert "EKF(2) : mean NIS is low; joint 1 is coloured; joint 2 is too" in parameters
+
+
 def test_names_are_inert():
     record, signals = synthetic.scara(samples=50)
     record = json.loads(json.dumps(record).replace("ZZR1", "Evil0"))
