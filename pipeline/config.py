@@ -108,10 +108,11 @@ class DataSettings(Settings):
 
 
 class EkfCase(Settings):
-    """One start of the filter and its tunings; the first tuning's run bears the bare name.
+    """One start of the filter and its tunings; a run is called `name`, or `name tuning` where there is a choice.
 
-    chi0 (p,) or wls_factor: the start, as numbers or as a multiple of the recommended WLS estimate; P0_parameters
-    (p,) variances, or P0_relative: the standard deviation as a fraction of |chi0|; R (n,) and Q (2n,): the paper's
+    chi0 (p,) or wls_factor: the start, as numbers or as a multiple of the recommended WLS estimate. Its spread:
+    P0_parameters (p,), variances; or P0_relative, the standard deviation as a fraction of |chi0|; or P0_sigmas, the
+    same as a multiple of WLS's sigma. R (n,) and Q (2n,): the paper's
     covariances, needed by the tuning "paper". P0_state, method and substeps override those of `[ekf]`.
     """
 
@@ -121,7 +122,8 @@ class EkfCase(Settings):
     wls_factor: float | None = None
     P0_state: tuple[Positive, ...] = ()
     P0_parameters: tuple[NotNegative, ...] = ()
-    P0_relative: float | None = None
+    P0_relative: Positive | None = None
+    P0_sigmas: Positive | None = None
     R: tuple[Positive, ...] = ()
     Q: tuple[NotNegative, ...] = ()
     method: Literal["euler", "rk4"] | None = None
@@ -312,8 +314,8 @@ def _check(experiment: Experiment, where: str) -> None:
     for case in experiment.ekf.case if experiment.ekf else ():
         if bool(case.chi0) == (case.wls_factor is not None):
             raise ConfigError(f"{where}: {case.name}: give exactly one of chi0 and wls_factor")
-        if bool(case.P0_parameters) == (case.P0_relative is not None):
-            raise ConfigError(f"{where}: {case.name}: give exactly one of P0_parameters and P0_relative")
+        if [bool(case.P0_parameters), case.P0_relative is not None, case.P0_sigmas is not None].count(True) != 1:
+            raise ConfigError(f"{where}: {case.name}: give exactly one of P0_parameters, P0_relative and P0_sigmas")
         if "paper" in case.tunings and not (case.R and case.Q):
             raise ConfigError(f"{where}: {case.name}: the tuning `paper` needs R and Q")
         if "known" in case.tunings and experiment.simulation is None:

@@ -93,4 +93,4 @@ def test_a_variable_bound_twice_is_refused(tmp_path):
 
 
 def test_the_drive_gain_stands_in_the_binding():
-    assert gains_of_bindings() == {"emps": {"G": 35.1507}, "scara": {}}
+    assert gains_of_bindings() == {"emps": {"G": 35.1507}, "emps_closed_loop": {"G": 35.1507}}

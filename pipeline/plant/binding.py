@@ -166,5 +166,6 @@ def _expect(file: Fmu, name: str, causality: str | None, unit: str) -> None:
 
 
 def gains_of_bindings() -> dict[str, dict[str, float]]:
-    """{start of an FMU's name: {gain parameter: value}} of our own bindings: the one place of a drive gain."""
-    return {path.stem: load_binding(str(path)).gains_to_set() for path in sorted(FMUS.glob("*.toml"))}
+    """{FMU: {gain parameter: value}} for each plant of ours and its closed loop: a binding is the gain's one place."""
+    gains = {path.stem: load_binding(str(path)).gains_to_set() for path in sorted(FMUS.glob("*.toml"))}
+    return {f"{name}{part}": gain for name, gain in gains.items() if gain for part in ("", "_closed_loop")}

@@ -32,8 +32,9 @@ class Filtered:
 
 
 def names_of(case: EkfCase) -> dict[str, str]:
-    """Name of the estimate by tuning: the first tuning's run bears the case's bare name."""
-    return {tuning: case.name if i == 0 else f"{case.name} {tuning}" for i, tuning in enumerate(case.tunings)}
+    """Name of the estimate by tuning: the paper's, and one without an alternative, bear the case's bare name."""
+    bare = len(case.tunings) == 1
+    return {tuning: case.name if bare or tuning == "paper" else f"{case.name} {tuning}" for tuning in case.tunings}
 
 
 def run_filters(session: Session, frame: pd.DataFrame, best: Estimate, sigma_rho: np.ndarray) -> dict[str, Filtered]:
@@ -76,14 +77,15 @@ def run_case(
 
 def prior(session: Session, case: EkfCase, best: Estimate) -> tuple[np.ndarray, np.ndarray]:
     """chi0 (p,) and P0 (nx, nx) of a case. IdentificationError where it needs a WLS that held parameters."""
-    names = session.binding.names
-    if case.wls_factor is None:
-        chi0 = np.array(case.chi0)
-    elif best.names != names:
+    builds_on_wls = case.wls_factor is not None or case.P0_sigmas is not None
+    if builds_on_wls and best.names != session.binding.names:
         raise IdentificationError(f"{case.name}: starts from {best.name}, which did not estimate every parameter")
-    else:
-        chi0 = case.wls_factor * best.theta
-    variance = case.P0_parameters or (case.P0_relative * chi0) ** 2
+    chi0 = np.array(case.chi0) if case.wls_factor is None else case.wls_factor * best.theta
+    variance = np.array(case.P0_parameters)
+    if case.P0_relative is not None:
+        variance = (case.P0_relative * chi0) ** 2
+    if case.P0_sigmas is not None:
+        variance = (case.P0_sigmas * best.sigma) ** 2
     state = case.P0_state or session.experiment.ekf.P0_state
     return chi0, np.diag([*state, *variance])
 
