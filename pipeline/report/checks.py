@@ -222,7 +222,7 @@ def _nis(run: Run, name: str, table, block: int = 100) -> Panel:
         x_label=TIME,
         y_label="NIS",
         link="identification",
-        y_range=(0.0, 1.08 * top),
+        y_range=(-0.06 * top, 1.08 * top),
         summary=f"Mean {number(overall, 3)} where {run.joints} is expected{_nis_band_words(test)}.",
         caption="Normalised innovation squared. Good: inside the band all along. Bad: far below it (the filter is told"
         " of more noise than there is, its σ is too large) or above it (too little, its σ is too small).",

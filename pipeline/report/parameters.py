@@ -54,7 +54,9 @@ def estimates_table(run: Run) -> Html:
             cells = [_cell(short(about.get(key))) for about in run.parameters.values()]
             rows.append(tag("tr", tag("th", label, scope="row"), cells, tag("td", ""), class_="aim"))
     rows += [_estimate_row(run, n, e, names) for n, e in run.estimates.items()]
-    return table("Every estimate of this run", [head], rows, "Value ± σ, and below it 100 σ/|value|.")
+    return table(
+        "Every estimate of this run", [head], rows, "Value ± σ, and below it 100 σ/|value|.", _notes(run, run.estimates)
+    )
 
 
 def _estimate_row(run: Run, name: str, found: dict, parameters: list[str]) -> Html:
@@ -71,7 +73,7 @@ def _estimate_row(run: Run, name: str, found: dict, parameters: list[str]) -> Ht
         small = tag("small", f"{number(relative, 2)} %") if relative is not None and about.get("sigma") else None
         cells.append(tag("td", plus_minus(about["value"], about.get("sigma"), run.resolution(p)), small))
     why = found.get("sigma_reason")
-    return tag("tr", head, cells, _reason("withheld", why, 1, 1) if why else tag("td", "shown", class_="text"))
+    return tag("tr", head, cells, _reason("withheld", _brief(why), 1, 1) if why else tag("td", "shown", class_="text"))
 
 
 def essential_table(run: Run) -> Html | None:

@@ -170,15 +170,22 @@ def origin(run: Run) -> Html:
         ("Packages", ", ".join(f"{k} {v}" for k, v in (source.get("versions") or {}).items()) or DASH),
     ]
     listing = tag("dl", [[tag("dt", k), tag("dd", v)] for k, v in pairs], class_="origin")
-    configuration = json.dumps(experiment.get("configuration") or {}, indent=2, ensure_ascii=False)
+    configuration = "\n".join(flat(experiment.get("configuration") or {}))
     settings = {n: e["settings"] for n, e in run.estimates.items() if e.get("settings")}
     return tag("div", listing, _folded("Whole configuration", configuration), _folded_settings(settings))
 
 
+def flat(value: object, path: str = "") -> list[str]:
+    """Nested settings as lines `ekf.case[0].R = [1e-06, 1e-06]`, one for each number, text or plain list."""
+    if isinstance(value, dict):
+        return [line for key, item in value.items() for line in flat(item, f"{path}.{key}" if path else str(key))]
+    if isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
+        return [line for i, item in enumerate(value) for line in flat(item, f"{path}[{i}]")]
+    return [f"{path} = {json.dumps(value, ensure_ascii=False)}"]
+
+
 def _folded_settings(settings: dict) -> Html | None:
-    return (
-        _folded("Settings of every estimate", json.dumps(settings, indent=2, ensure_ascii=False)) if settings else None
-    )
+    return _folded("Settings of every estimate", "\n".join(flat(settings))) if settings else None
 
 
 def _folded(title: str, text: str) -> Html:

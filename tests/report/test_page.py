@@ -9,6 +9,7 @@ import pytest
 
 from pipeline.errors import DataError
 from pipeline.report.page import page, write_page
+from pipeline.report.provenance import flat
 from pipeline.report.record import read_run
 from tests.report import synthetic
 
@@ -133,6 +134,11 @@ def test_a_long_reason_is_cut_in_the_table_and_whole_below():
     parameters = words(section(page(record, signals), "parameters"))
     assert "σ withheld : mean NIS is low …" in parameters
     assert "EKF(2) : mean NIS is low; joint 1 is coloured; joint 2 is too" in parameters
+
+
+def test_settings_are_told_in_lines():
+    settings = {"ekf": {"case": [{"R": [1e-6, 2]}, {"name": "x"}]}, "seed": 1, "empty": {}}
+    assert flat(settings) == ["ekf.case[0].R = [1e-06, 2]", 'ekf.case[1].name = "x"', "seed = 1"]
 
 
 def test_names_are_inert():
