@@ -21,6 +21,7 @@ from pipeline.export.frontend import Source
 from pipeline.export.parameters import bind_parameters
 from pipeline.export.sorting import Equation, solve
 from pipeline.export.starts import read_starts
+from pipeline.export.units import per_second
 from pipeline.export.variables import COORDINATE, KINDS, Entry, Variable, apply_limits, declare
 
 INTERNAL_STEP = "internalStep"
@@ -125,7 +126,7 @@ def _by_kind(entries: list[Entry]) -> dict[str, list[Variable]]:
             variables[scalar.kind].append(scalar)
         if entry.derivative is not None:
             for scalar, symbol in zip(entry.scalars, flatten(entry.derivative), strict=True):
-                unit = f"{scalar.unit}/s" if scalar.unit else None
+                unit = per_second(scalar.unit) if scalar.unit else None
                 description = f"Derivative of {scalar.name}"
                 derivative = Variable(symbol.name(), "derivative", symbol, unit=unit, description=description)
                 variables["derivative"].append(derivative)

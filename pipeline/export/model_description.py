@@ -46,7 +46,7 @@ def describe(model: Model, name: str, guid: str, sources: list[str]) -> str:
     _add_variables(root, model, variables)
     _add_structure(root, model, variables)
     ET.indent(root)
-    return ET.tostring(root, encoding="unicode", xml_declaration=True).replace("encoding='us-ascii'", "") + "\n"
+    return ET.tostring(root, encoding="utf-8", xml_declaration=True).decode() + "\n"
 
 
 def _add_units(root: ET.Element, variables: list[Variable]) -> None:
@@ -106,6 +106,9 @@ def causality(variable: Variable) -> tuple[str, str, str | None]:
 
 def _add_variables(root: ET.Element, model: Model, variables: list[Variable]) -> None:
     element = ET.SubElement(root, "ModelVariables")
+    restarted = {
+        v.name for v, x in zip(model.variables["state"], symbols(model.events.x), strict=True) if not x.is_symbolic()
+    }
     first_state = sum(len(model.variables[kind]) for kind in ("constant", "parameter", "calculated")) + 1
     first_derivative = variables.index(model.variables["derivative"][0]) if model.variables["derivative"] else 0
     for i, variable in enumerate(variables):
@@ -118,6 +121,8 @@ def _add_variables(root: ET.Element, model: Model, variables: list[Variable]) ->
         if initial:
             scalar.set("initial", initial)
         kind = ET.SubElement(scalar, variable.type, type_attributes(variable, initial))
+        if variable.name in restarted:
+            kind.set("reinit", "true")
         if variable.kind == "derivative":
             kind.set("derivative", str(first_state + i - first_derivative))
 

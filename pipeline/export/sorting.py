@@ -71,6 +71,12 @@ def solve_block(members: list[Equation], unknowns: list[ca.SX], model: str) -> l
     b = -ca.substitute(residual, symbols, ca.SX.zeros(len(unknowns)))
     if len(unknowns) == 1:
         return [b / A]
-    A = ca.densify(A)
-    x = ca.inv_minor(A) @ b if len(unknowns) == 2 else ca.solve(A, b)
-    return ca.vertsplit(x)
+    if len(unknowns) == 2:
+        return cramer(A, b)
+    return ca.vertsplit(ca.solve(ca.densify(A), b))
+
+
+def cramer(A: ca.SX, b: ca.SX) -> list[ca.SX]:
+    """The solution of two equations, in fewer operations than any factorisation."""
+    det = A[0, 0] * A[1, 1] - A[0, 1] * A[1, 0]
+    return [(A[1, 1] * b[0] - A[0, 1] * b[1]) / det, (A[0, 0] * b[1] - A[1, 0] * b[0]) / det]

@@ -94,3 +94,13 @@ def lookup(symbol: str) -> tuple[float, dict[str, int]] | None:
             factor, exponents = lookup(rest)
             return scale * factor, exponents
     return None
+
+
+def per_second(text: str) -> str:
+    """The unit of a derivative: `rad` → `rad/s`, `rad/s` → `rad/s2`, `m/V` → `m/(V.s)`."""
+    numerator, slash, denominator = text.partition("/")
+    if not slash:
+        return f"{text}/s"
+    if match := re.fullmatch(r"s(\d*)", denominator):
+        return f"{numerator}/s{int(match.group(1) or 1) + 1}"
+    return f"{numerator}/({denominator.strip('()')}.s)"

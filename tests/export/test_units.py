@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.export.units import BASE, DERIVED, PREFIXES, Unit, parse
+from pipeline.export.units import BASE, DERIVED, PREFIXES, Unit, parse, per_second
 
 KNOWN = {
     "N.m": Unit(1.0, 0.0, {"kg": 1, "m": 2, "s": -2}),
@@ -67,3 +67,10 @@ def test_dividing_by_a_unit_and_multiplying_by_it_cancel(items, divisor):
 @given(st.text(max_size=12))
 def test_any_text_is_a_unit_or_none(text):
     assert parse(text) is None or set(parse(text).exponents) <= set(BASE)
+
+
+@given(st.sampled_from(["rad", "rad/s", "rad/s2", "m/V", "W/(m2.K)", "N.m", "1"]))
+def test_the_unit_of_a_derivative_is_the_unit_per_second(text):
+    unit, derivative = parse(text), parse(per_second(text))
+    assert derivative.exponents.get("s", 0) == unit.exponents.get("s", 0) - 1
+    assert derivative.factor == unit.factor

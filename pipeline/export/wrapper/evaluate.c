@@ -19,7 +19,6 @@ void reset(Instance *c) {
     for (size_t i = 0; i < N_VALUES; i++) c->memory.values[i] = VARIABLES[i].start;
     c->memory.mode = INSTANTIATED;
     c->memory.stale = STALE_ALL;
-    c->start_time = 0;
 }
 
 void changed(Instance *c) {

@@ -1,5 +1,5 @@
 /* FMI 2.0: Co-Simulation. */
-#include "fmi2.h"
+#include "fmi2_layer.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* FMI 2.0: what Model Exchange and Co-Simulation have in common. */
-#include "fmi2.h"
+#include "fmi2_layer.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,7 +68,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component pointer, fmi2Boolean tolerance_defi
                                fmi2Real start_time, fmi2Boolean stop_time_defined, fmi2Real stop_time) {
     (void)tolerance_defined, (void)tolerance, (void)stop_time_defined, (void)stop_time;
     ENTER(INSTANTIATED);
-    c->start_time = c->memory.time = start_time;
+    c->memory.time = start_time;
     return fmi2OK;
 }
 
@@ -107,40 +107,41 @@ fmi2Status fmi2SetReal(fmi2Component pointer, const fmi2ValueReference vr[], siz
     GIVE(set_values(c, vr, n, REAL, value));
 }
 
-static fmi2Status get_integers(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, int value[], Type type) {
+static fmi2Status get_integers(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, int value[], Type type,
+                               const char *function) {
     ENTER(ANY_MODE);
     for (size_t i = 0; i < n; i++) {
         double number;
-        if (!get_values(c, vr + i, 1, type, &number)) return report(component, fmi2Error, __func__);
+        if (!get_values(c, vr + i, 1, type, &number)) return report(component, fmi2Error, function);
         value[i] = (int)number;
     }
     return fmi2OK;
 }
 
 static fmi2Status set_integers(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, const int value[],
-                               Type type) {
+                               Type type, const char *function) {
     ENTER(ANY_MODE);
     for (size_t i = 0; i < n; i++) {
         double number = type == BOOLEAN ? value[i] != 0 : value[i];
-        if (!set_values(c, vr + i, 1, type, &number)) return report(component, fmi2Error, __func__);
+        if (!set_values(c, vr + i, 1, type, &number)) return report(component, fmi2Error, function);
     }
     return fmi2OK;
 }
 
 fmi2Status fmi2GetInteger(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, fmi2Integer value[]) {
-    return get_integers(pointer, vr, n, value, INTEGER);
+    return get_integers(pointer, vr, n, value, INTEGER, __func__);
 }
 
 fmi2Status fmi2SetInteger(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, const fmi2Integer value[]) {
-    return set_integers(pointer, vr, n, value, INTEGER);
+    return set_integers(pointer, vr, n, value, INTEGER, __func__);
 }
 
 fmi2Status fmi2GetBoolean(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, fmi2Boolean value[]) {
-    return get_integers(pointer, vr, n, value, BOOLEAN);
+    return get_integers(pointer, vr, n, value, BOOLEAN, __func__);
 }
 
 fmi2Status fmi2SetBoolean(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[]) {
-    return set_integers(pointer, vr, n, value, BOOLEAN);
+    return set_integers(pointer, vr, n, value, BOOLEAN, __func__);
 }
 
 static fmi2Status no_strings(fmi2Component pointer, size_t n, const char *function) {

@@ -1,5 +1,5 @@
 /* FMI 2.0: Model Exchange. */
-#include "fmi2.h"
+#include "fmi2_layer.h"
 
 #include <float.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* FMI 2.0: the FMU state, a copy of the instance's memory; serialised behind the GUID, so that no other model's fits. */
-#include "fmi2.h"
+#include "fmi2_layer.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -31,9 +31,7 @@ typedef struct {
 typedef struct {
     Memory memory;
     bool co_simulation;
-    double start_time;
     char message[512];  /* why the last call failed */
-    void *environment;  /* of the FMI layer */
 } Instance;
 
 #define P(c) ((c)->memory.values + FIRST_PARAMETER)

@@ -9,6 +9,7 @@
 static bool runge_kutta(Instance *c, double time, double h, const double *x, double *next) {
     double k1[N_STATES + 1], k2[N_STATES + 1], k3[N_STATES + 1], k4[N_STATES + 1], stage[N_STATES + 1];
     derivatives(c, time, x, k1);
+    if (!finite_derivatives(c, time, k1)) return false;
     for (size_t i = 0; i < N_STATES; i++) stage[i] = x[i] + h / 2 * k1[i];
     derivatives(c, time + h / 2, stage, k2);
     for (size_t i = 0; i < N_STATES; i++) stage[i] = x[i] + h / 2 * k2[i];

@@ -1,0 +1,151 @@
+"""Building: names, skipping, determinism, the compiler's absence and failure, the archive."""
+
+import os
+import shutil
+from pathlib import Path
+from xml.etree import ElementTree as ET
+from zipfile import ZipFile
+
+import fmpy
+import pytest
+
+from pipeline.errors import ExportError
+from pipeline.export import compiler
+from pipeline.export.archive import write_archive
+from pipeline.export.build import Built, build, digest, exported
+from pipeline.export.codegen import identifier
+
+PLANT = """within Small.FMUs;
+model Plant
+  parameter Real m=2;
+  input Real u;
+  output Real y;
+  Real v(start=0, fixed=true);
+equation
+  m*der(v) = u;
+  y = v;
+end Plant;
+"""
+LOOP = """within Small.FMUs;
+model PlantLoop
+  parameter Real m=3;
+  Plant plant(m=m);
+equation
+  plant.u = -plant.y;
+end PlantLoop;
+"""
+
+
+@pytest.fixture
+def package(tmp_path):
+    folder = tmp_path / "Small"
+    (folder / "FMUs").mkdir(parents=True)
+    (folder / "package.mo").write_text("package Small\nend Small;\n")
+    (folder / "package.order").write_text("FMUs\n")
+    (folder / "FMUs/package.mo").write_text("within Small;\npackage FMUs\nend FMUs;\n")
+    (folder / "FMUs/package.order").write_text("Plant\nPlantLoop\n")
+    (folder / "FMUs/Plant.mo").write_text(PLANT)
+    (folder / "FMUs/PlantLoop.mo").write_text(LOOP)
+    return folder
+
+
+def start_of(path, name):
+    return next(v.start for v in fmpy.read_model_description(str(path)).modelVariables if v.name == name)
+
+
+def test_the_name_of_an_fmu_is_its_class_in_snake_case():
+    assert identifier("A.B.ScaraControllerContinuous") == "scara_controller_continuous"
+
+
+def test_all_classes_of_the_order_are_exported_and_reported(package, tmp_path):
+    lines = []
+    built = build(None, tmp_path / "out", modelica=package, report=lines.append)
+    assert [(b.name, b.path.name, b.skipped) for b in built] == [
+        ("plant", "plant.fmu", False),
+        ("plant_loop", "plant_loop.fmu", False),
+    ]
+    assert len(lines) == 2 and all(isinstance(b, Built) and b.path.is_file() for b in built)
+
+
+def test_what_is_up_to_date_is_skipped_and_what_changed_is_not(package, tmp_path):
+    def skipped(names=("plant",), **options):
+        return [b.skipped for b in build(names, tmp_path / "out", modelica=package, **options)]
+
+    assert skipped() == [False]
+    assert skipped() == [True]
+    assert skipped(force=True) == [False]
+    assert skipped(start_values={"plant": {"m": 5.0}}) == [False]
+    assert skipped(start_values={"plant": {"m": 5.0}}) == [True]
+    (package / "FMUs/Plant.mo").write_text(PLANT.replace("m=2", "m=7"))
+    assert skipped() == [False]
+    (tmp_path / "out/plant.fmu").write_bytes(b"damaged")
+    assert skipped() == [False]
+
+
+def test_the_same_sources_give_the_same_bytes(package, tmp_path):
+    first, second = (build(["plant"], tmp_path / name, modelica=package)[0].path for name in ("a", "b"))
+    assert digest(first) == digest(second)
+
+
+def test_other_sources_give_another_guid(package, tmp_path):
+    first = build(["plant"], tmp_path / "a", modelica=package)[0].path
+    second = build(["plant"], tmp_path / "b", {"plant": {"m": 5.0}}, modelica=package)[0].path
+    guids = [fmpy.read_model_description(str(path)).guid for path in (first, second)]
+    assert guids[0] != guids[1]
+
+
+def test_start_values_reach_the_fmu_and_those_named_after_it(package, tmp_path):
+    build(None, tmp_path, {"plant": {"m": 5.0}}, modelica=package)
+    assert start_of(tmp_path / "plant.fmu", "m") == "5.0"
+    assert start_of(tmp_path / "plant_loop.fmu", "m") == "5.0"
+
+
+def test_a_start_value_of_nothing_is_refused(package, tmp_path):
+    with pytest.raises(ExportError, match="no parameter to set: mass; settable: m"):
+        build(["plant"], tmp_path, {"plant": {"mass": 5.0}}, modelica=package)
+
+
+def test_an_unknown_name_or_version_is_refused(package, tmp_path):
+    with pytest.raises(ExportError, match="no FMU robot: there are plant, plant_loop"):
+        build(["robot"], tmp_path, modelica=package)
+    with pytest.raises(ExportError, match="FMI version 3"):
+        build(None, tmp_path, fmi="3", modelica=package)
+    with pytest.raises(ExportError, match="no FMUs/package.order"):
+        exported(tmp_path)
+
+
+def test_without_a_compiler_the_remedy_is_named(package, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    with pytest.raises(ExportError, match="no C compiler.*install one .*or name it in CC"):
+        build(["plant"], tmp_path / "out", modelica=package)
+    monkeypatch.setenv("CC", "missing-cc -g")
+    with pytest.raises(ExportError, match="CC=missing-cc is not there"):
+        compiler.find_compiler()
+
+
+def test_a_compiler_that_fails_leaves_a_log(package, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", f"{shutil.which('cc')} -include missing.h")
+    with pytest.raises(ExportError, match=r"plant: the C compiler failed \(exit code 1\), see .*plant\.log") as error:
+        build(["plant"], tmp_path / "out", modelica=package)
+    assert "\n" not in str(error.value)
+    assert "missing.h" in (tmp_path / "out/plant.log").read_text()
+    assert not (tmp_path / "out/plant.fmu").exists()
+
+
+def test_an_fmu_holds_its_sources_without_the_headers_of_fmi(package, tmp_path):
+    path = build(["plant"], tmp_path, modelica=package)[0].path
+    names = ZipFile(path).namelist()
+    assert {"modelDescription.xml", "sources/model.c", "sources/integrate.c"} <= set(names)
+    assert not any(Path(name).name in os.listdir(compiler.headers()) for name in names)
+    root = ET.fromstring(ZipFile(path).read("modelDescription.xml"))
+    listed = [file.get("name") for file in root.find("CoSimulation").iter("File")]
+    assert sorted(f"sources/{name}" for name in listed) == [name for name in names if name.endswith(".c")]
+
+
+def test_an_archive_does_not_remember_when_it_was_written(tmp_path):
+    for name in ("a", "b"):
+        write_archive(tmp_path / name, {"x": b"1", "folder/y": b"2" * 1000})
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+    assert ZipFile(tmp_path / "a").read("folder/y") == b"2" * 1000
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]

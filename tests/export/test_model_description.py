@@ -1,0 +1,115 @@
+"""The model description: attributes, units, structure and its dependencies, names that XML has to escape."""
+
+from xml.etree import ElementTree as ET
+
+import pytest
+from fmpy.validation import validate_fmu
+
+from pipeline.export.model_description import describe
+from tests.export.language import archive_of, model_of
+
+MODEL = """
+model M "A \\"model\\" & <more> of µ-things"
+  input Real u(unit="N.m") "Torque";
+  output Real y(unit="rad");
+  output Real direct;
+  discrete output Real sampled(start=0, fixed=true);
+  parameter Real J(quantity="MomentOfInertia", unit="kg.m2", min=0)=2 "Inertia <J>";
+  parameter Real start(unit="deg")=0;
+  parameter Real 'half & half'=J/2;
+  Real q(unit="rad", displayUnit="deg", start=start, fixed=true, nominal=3);
+  Real qd(unit="rad/s", start=0, fixed=true, min=-10, max=10);
+equation
+  der(q) = qd;
+  J*der(qd) = u + sampled;
+  y = q;
+  direct = 2*u;
+  when sample(0, 0.1) then
+    sampled = -q + u;
+  end when;
+  when qd > 5 then
+    reinit(qd, 0);
+  end when;
+  annotation (experiment(StopTime=3, Interval=0.01));
+end M;
+"""
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    text = describe(model_of(tmp_path_factory.mktemp("m"), MODEL), "m", "{guid}", ["a.c"])
+    return ET.fromstring(text.encode())
+
+
+def variables(root):
+    return {v.get("name"): v for v in root.iter("ScalarVariable")}
+
+
+def dependencies(root, group):
+    names = list(variables(root))
+    return {
+        names[int(u.get("index")) - 1]: {names[int(i) - 1] for i in u.get("dependencies").split()}
+        for u in root.find(f"ModelStructure/{group}")
+    }
+
+
+def test_names_and_descriptions_are_escaped(root):
+    assert root.get("description") == 'A "model" & <more> of µ-things'
+    assert variables(root)["'half & half'"].get("causality") == "calculatedParameter"
+
+
+@pytest.mark.parametrize(
+    "name, expected",
+    {
+        "u": ("input", "continuous", None),
+        "y": ("output", "continuous", "calculated"),
+        "sampled": ("output", "discrete", "exact"),
+        "J": ("parameter", "tunable", "exact"),
+        "start": ("parameter", "fixed", "exact"),
+        "internalStep": ("parameter", "tunable", "exact"),
+        "q": ("local", "continuous", "calculated"),
+        "qd": ("local", "continuous", "exact"),
+        "der(qd)": ("local", "continuous", "calculated"),
+    }.items(),
+)
+def test_causality_variability_and_initial(root, name, expected):
+    variable = variables(root)[name]
+    assert tuple(variable.get(key) for key in ("causality", "variability", "initial")) == expected
+
+
+def test_attributes_of_the_declaration(root):
+    inertia, q, qd = (variables(root)[name].find("Real").attrib for name in ("J", "q", "qd"))
+    assert inertia == {"quantity": "MomentOfInertia", "unit": "kg.m2", "min": "0.0", "start": "2.0"}
+    assert q == {"unit": "rad", "displayUnit": "deg", "nominal": "3.0"}
+    assert qd == {"unit": "rad/s", "min": "-10.0", "max": "10.0", "start": "0.0", "reinit": "true"}
+    assert variables(root)["J"].get("description") == "Inertia <J>"
+
+
+def test_a_derivative_points_to_its_state(root):
+    names = list(variables(root))
+    derivative = variables(root)["der(q)"].find("Real")
+    assert names[int(derivative.get("derivative")) - 1] == "q" and derivative.get("unit") == "rad/s"
+
+
+def test_units_have_exponents(root):
+    units = {unit.get("name"): unit for unit in root.iter("Unit")}
+    assert units["kg.m2"].find("BaseUnit").attrib == {"kg": "1", "m": "2"}
+    assert float(units["rad"].find("DisplayUnit").get("factor")) == pytest.approx(57.29577951308232)
+    assert set(units) == {"N.m", "rad", "kg.m2", "deg", "rad/s", "rad/s2", "s"}
+
+
+def test_the_structure_lists_true_dependencies(root):
+    assert dependencies(root, "Outputs") == {"y": {"q"}, "direct": {"u"}, "sampled": {"q", "u"}}
+    assert dependencies(root, "Derivatives") == {"der(q)": {"qd"}, "der(qd)": {"u", "q"}}
+    initial = dependencies(root, "InitialUnknowns")
+    assert initial["der(qd)"] == {"u", "J", "sampled"} and initial["q"] == {"start"} and initial["y"] == {"start"}
+    assert initial["'half & half'"] == {"J"} and "qd" not in initial
+
+
+def test_the_experiment_and_the_indicators(root):
+    assert root.find("DefaultExperiment").attrib == {"stopTime": "3.0", "stepSize": "0.01"}
+    assert root.get("numberOfEventIndicators") == "1"
+
+
+def test_fmpy_finds_nothing_to_complain_about(tmp_path):
+    assert validate_fmu(str(archive_of(tmp_path, MODEL).path)) == []
