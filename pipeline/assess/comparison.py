@@ -38,7 +38,7 @@ def excitation(record: dict) -> Iterator[str]:
 
 def filtering(record: dict) -> Iterator[str]:
     """What the other WLS variants lose against the recommended one."""
-    best, predicted = lookup.recommended(record), lookup.prediction_errors(record)
+    best, predicted, own = lookup.recommended(record), lookup.prediction_errors(record), lookup.own_errors(record)
     for name, e in lookup.batch(record).items():
         theirs = record["estimates"][best]
         gap = lookup.apart(e, theirs) if name != best else None
@@ -48,9 +48,9 @@ def filtering(record: dict) -> Iterator[str]:
         values = f"{figures(a['value'])} against {with_sigma(b['value'], b.get('sigma'), b.get('unit') or '')}"
         told = f"{name} differs from {best} most in {gap.parameter}: {values}, {gap} apart"
         if name in predicted and best in predicted:
-            told += (
-                f"; on the validation run it errs by {figures(predicted[name])} % against {figures(predicted[best])} %"
-            )
+            errors = f"{figures(predicted[name])} % against {figures(predicted[best])} %"
+            told += f"; on the validation run it errs by {errors}"
+            told += f" ({figures(own[name])} % with its own filters)" if name in own else ""
         yield told + "."
 
 

@@ -97,6 +97,12 @@ def prediction_errors(record: dict) -> dict[str, float]:
     return {n: e["total"] for n, e in found.items() if n in alive and (e or {}).get("total") is not None}
 
 
+def own_errors(record: dict) -> dict[str, float]:
+    """Force prediction error (%) of each WLS variant on the validation run, filtered as the variant filters."""
+    found = (record.get("validation") or {}).get("own_filters") or {}
+    return {n: e["validation"] for n, e in found.items() if (e or {}).get("validation") is not None}
+
+
 def is_euler(estimate: dict) -> bool:
     """Whether the filter discretised by Eq. 13."""
     return "euler" in str((estimate.get("settings") or {}).get("transition", "")).lower()

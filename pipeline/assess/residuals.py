@@ -84,7 +84,7 @@ def whiteness(series: np.ndarray, what: str = "residual") -> Whiteness:
         f"{what}: lag-1 correlation {r[0]:.2f}, {outside:.0f} % of {LAGS} lags outside ±{bound:.3f} (5 % expected), "
         f"slow power {slow:.2f} of white noise's"
     )
-    verdict = "white" if ok else f"coloured (p = {p_value:.1g}): something in the motion is not modelled"
+    verdict = "white" if ok else f"coloured (p {_chance(p_value)}): something in the motion is not modelled"
     return Whiteness(float(r[0]), outside, float(bound), slow, p_value, ok, f"{told}: {verdict}")
 
 
@@ -119,3 +119,7 @@ def residual_tests(
     rows = [regression.joint == j for j in joints]
     floors = [None if noise is None else float(np.sqrt(np.mean(noise[r] ** 2))) for r in rows]
     return tuple(residual_test(rho[r], int(j) + 1, unit, f) for r, j, f in zip(rows, joints, floors, strict=True))
+
+
+def _chance(p_value: float) -> str:
+    return "< 1e-12" if p_value < 1e-12 else f"= {p_value:.1g}"

@@ -54,8 +54,8 @@ def noise_floor(
     """The error in % that noise alone leaves, by `tau_1` … and `total`.
 
     With the truth (p,) known: the prediction of the true parameters. Else from the torques tau_i of the unfiltered
-    `frame` at `rate` [Hz]: what lies above the cut-off of the parallel filter, taken as white, as far as the filter
-    lets it through; a guess from below, since a controller's own high frequencies and slow noise look alike.
+    `frame` at `rate` [Hz]: their white noise, as far as the parallel filter lets it through; a guess from below, since
+    noise in W and slow noise are not in it.
     """
     if truth is not None:
         return predict(validation, truth).errors
@@ -68,12 +68,17 @@ def noise_floor(
 
 
 def white_level(x: np.ndarray, rate: float, settings: WlsSettings) -> np.ndarray:
-    """Standard deviation (m,) of white noise on x (N, m), from what lies above the parallel filter's cut-off."""
+    """Standard deviation (m,) of the white noise that x (N, m) may hold: the lowest spectral density above the filter.
+
+    Lowest of four bands between the parallel filter's cut-off and the Nyquist frequency, each segment's median, so
+    that neither motion nor pulses nor a resonance count as noise.
+    """
     cutoff = cutoff_frequency(rate, settings.parallel, settings.decimation)
-    if cutoff >= 0.5 * rate:
-        return np.zeros(x.shape[1])
-    above = signal.sosfiltfilt(signal.butter(4, cutoff, "highpass", fs=rate, output="sos"), x, axis=0)
-    return above.std(axis=0) / np.sqrt(1.0 - 2.0 * cutoff / rate)
+    segment = min(len(x), max(64, int(8 * rate / cutoff)))
+    f, density = signal.welch(x, rate, nperseg=segment, axis=0, average="median")
+    edges = np.geomspace(min(cutoff, 0.25 * rate), 0.5 * rate, 5)
+    bands = [density[(f >= low) & (f < high)].mean(axis=0) for low, high in zip(edges[:-1], edges[1:], strict=True)]
+    return np.sqrt(np.min(bands, axis=0) * 0.5 * rate)
 
 
 def passed_noise(rate: float, settings: WlsSettings) -> float:

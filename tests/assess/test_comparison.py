@@ -87,6 +87,11 @@ def test_the_conclusion_follows_the_numbers(record):
     assert "does not hold in full in this run: WLS(3) predicts to 6.00 %" in findings(record)[-1]
 
 
+def test_a_variants_own_filters_are_told(record):
+    record["validation"]["own_filters"] = {"WLS(1)": {"validation": 95.0}}
+    assert any("errs by 80.0 % against 4.03 % (95.0 % with its own filters)." in s for s in findings(record))
+
+
 def test_honest_sigmas_are_told_together(record):
     told = [s for s in findings(record) if s.endswith("their sigma is honest.")]
     assert told == [

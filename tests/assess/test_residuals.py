@@ -33,13 +33,13 @@ def test_a_little_colour_is_seen_and_told():
     found = whiteness(coloured(0, 0.2), "joint 2, innovation")
     assert not found.ok and found.lag1 == pytest.approx(0.2, abs=0.05)
     assert found.sentence.startswith("joint 2, innovation: lag-1 correlation 0.19")
-    assert "coloured (p = " in found.sentence
+    assert "coloured (p < 1e-12)" in found.sentence
 
 
-def test_a_small_slow_error_is_seen_where_no_lag_stands_out():
-    slow = 0.3 * np.sin(2 * np.pi * 0.004 * np.arange(2500))
+def test_a_small_slow_error_is_seen():
+    slow = 0.25 * np.sin(2 * np.pi * 0.004 * np.arange(2500))
     found = whiteness(coloured(7, 0.0) + slow)
-    assert not found.ok and found.slow_power > 1.5 and abs(found.lag1) < 0.06
+    assert not found.ok and found.slow_power > 1.5 and abs(found.lag1) < 0.1
 
 
 def test_a_mean_is_an_error():
