@@ -182,7 +182,8 @@ def _innovation(run: Run, name: str, table, joint: int) -> list[Panel]:
     curves = [line("innovation", times(table), values, run.colour(name), limit=1250)]
     inside = ""
     if sigma is not None:
-        curves.insert(0, line("±2√S expected", times(table), 0 * sigma, "prior", sigma, limit=1250))
+        for sign, label in ((2, "2√S expected"), (-2, "−2√S")):
+            curves.append(line(label, times(table), sign * sigma, "truth", limit=1250, dash=True))
         inside = f" {number(100 * float(np.nanmean(np.abs(values) <= 2 * sigma)), 3)} % inside ±2√S, 95 % are expected."
     rms = float(np.sqrt(np.nanmean(values**2)))
     over_time = Panel(
@@ -192,7 +193,7 @@ def _innovation(run: Run, name: str, table, joint: int) -> list[Panel]:
         x_label=TIME,
         y_label=with_unit("Innovation", run.position_unit),
         link="identification",
-        y_range=(-6 * rms, 6 * rms) if rms > 0 else None,
+        y_range=(-5 * rms, 5 * rms) if rms > 0 else None,
         summary=f"RMS {number(rms, 3)} {unit_text(run.position_unit)}.{inside}",
         caption="Good: noise that fills the band. Bad: far inside it (R or Q too large), outside it (too small),"
         " or a course that follows the motion (model error).",

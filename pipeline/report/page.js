@@ -155,10 +155,11 @@
     });
   }
 
+  // Value ± sigma, as in the tables: half a band is two sigma.
   function reading(series, x) {
     if (series.kind === "level") return series.y.length === 1 ? tickText(Number(series.y[0].toPrecision(4))) : "";
     const at = nearest(series.x, x);
-    const half = series.half ? ` ± ${tickText(Number(series.half[at].toPrecision(2)))}` : "";
+    const half = series.half ? ` ± ${tickText(Number((series.half[at] / 2).toPrecision(2)))}` : "";
     return tickText(Number(series.y[at].toPrecision(4))) + half;
   }
 

@@ -47,22 +47,22 @@ def estimates_table(run: Run) -> Html:
     units = {p: unit_text(about.get("unit", "")) for p, about in run.parameters.items()}
     head = [tag("th", "Estimate", scope="col")]
     head += [tag("th", p, tag("small", units[p]), scope="col") for p in names]
-    head.append(tag("th", "σ", scope="col"))
     rows = []
     for key, label in (("truth", "truth"), ("a_priori", "a priori")):
         if any(about.get(key) is not None for about in run.parameters.values()):
             cells = [_cell(short(about.get(key))) for about in run.parameters.values()]
-            rows.append(tag("tr", tag("th", label, scope="row"), cells, tag("td", ""), class_="aim"))
+            rows.append(tag("tr", tag("th", label, scope="row"), cells, class_="aim"))
     rows += [_estimate_row(run, n, e, names) for n, e in run.estimates.items()]
-    return table(
-        "Every estimate of this run", [head], rows, "Value ± σ, and below it 100 σ/|value|.", _notes(run, run.estimates)
+    caption = (
+        "Value ± σ, and below it 100 σ/|value|. Good: one column, one value. Bad: estimates that exclude each other."
     )
+    return table("Every estimate of this run", [head], rows, caption, _notes(run, run.estimates, every=True))
 
 
 def _estimate_row(run: Run, name: str, found: dict, parameters: list[str]) -> Html:
-    head = tag("th", name, scope="row")
+    head = tag("th", name, tag("small", "σ withheld") if found.get("sigma_reason") else None, scope="row")
     if not ok(found):
-        return tag("tr", head, _reason("failed", found.get("reason"), 1, len(parameters) + 1))
+        return tag("tr", head, _reason("failed", found.get("reason"), 1, len(parameters)))
     cells = []
     for p in parameters:
         about = (found.get("parameters") or {}).get(p) or {}
@@ -72,8 +72,7 @@ def _estimate_row(run: Run, name: str, found: dict, parameters: list[str]) -> Ht
         relative = about.get("relative_sigma_percent")
         small = tag("small", f"{number(relative, 2)} %") if relative is not None and about.get("sigma") else None
         cells.append(tag("td", plus_minus(about["value"], about.get("sigma"), run.resolution(p)), small))
-    why = found.get("sigma_reason")
-    return tag("tr", head, cells, _reason("withheld", _brief(why), 1, 1) if why else tag("td", "shown", class_="text"))
+    return tag("tr", head, cells)
 
 
 def essential_table(run: Run) -> Html | None:
@@ -208,10 +207,15 @@ def _brief(why: str | None) -> str:
     return first if len(first) == len(why or "") else f"{first} …"
 
 
-def _notes(run: Run, names: Iterable[str]) -> list[Html]:
-    """The reasons of which a table shows the first clause, in full."""
-    reasons = {n: e.get("sigma_reason") or e.get("reason") or "" for n in names if (e := run.estimates.get(n))}
-    return [tag("p", tag("b", n), f": {why}", class_="note") for n, why in reasons.items() if _brief(why) != why]
+def _notes(run: Run, names: Iterable[str], every: bool = False) -> list[Html]:
+    """In full the reasons of which a table shows the first clause; every: all why sigma is withheld."""
+    notes = []
+    for name in names:
+        found = run.estimates.get(name) or {}
+        why = found.get("sigma_reason") or ("" if every else found.get("reason")) or ""
+        if why and (every or _brief(why) != why):
+            notes.append(tag("p", tag("b", name), f": {why}", class_="note"))
+    return notes
 
 
 def _cell(text: str) -> Html:
