@@ -133,12 +133,14 @@ class EkfCase(Settings):
 class EkfSettings(Settings):
     """The extended Kalman filter: transition, Jacobian, covariance form and the cases to run.
 
-    P0_state (2n,): variances of [qd, q] at the start; recommended: the estimate that the verdict judges.
+    P0_state (2n,): variances of [qd, q] at the start; start_at_rest: begin with qd = 0, else with the filtered
+    velocity of the first sample; recommended: the estimate that the verdict judges.
     """
 
     P0_state: tuple[Positive, ...]
     case: tuple[EkfCase, ...]
     recommended: str = ""
+    start_at_rest: bool = True
     method: Literal["euler", "rk4"] = "rk4"
     substeps: Count = 4
     interface: Literal["ME", "CS"] = "ME"

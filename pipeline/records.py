@@ -85,8 +85,8 @@ class Estimate:
 class FilterRun:
     """One pass of a Kalman filter, up to and without the sample at which it failed, if it failed.
 
-    time (N,) s; x (N, nx) filtered states [qd, q, h, chi]; P_diag (N, nx) diagonal of their covariance; innovation (N, n)
-    and S_diag (N, n), its predicted variance; NIS (N,) normalised innovation squared; failed_at: the sample
+    time (N,) s; x (N, nx) filtered states [qd, q, h, chi]; P_diag (N, nx) diagonal of their covariance; innovation
+    (N, n) and S_diag (N, n), its predicted variance; NIS (N,) normalised innovation squared; failed_at: the sample
     of the failure or None, with its reason; P (nx, nx) the last covariance.
     """
 

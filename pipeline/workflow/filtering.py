@@ -16,6 +16,7 @@ from pipeline.plant.plant import open_plant
 from pipeline.records import FAILED, OK, Estimate, FilterRun
 from pipeline.signals.filters import cutoff_frequency
 from pipeline.signals.frames import joint_columns
+from pipeline.workflow.batch import Batch
 from pipeline.workflow.session import Session
 
 
@@ -37,26 +38,24 @@ def names_of(case: EkfCase) -> dict[str, str]:
     return {tuning: case.name if bare or tuning == "paper" else f"{case.name} {tuning}" for tuning in case.tunings}
 
 
-def run_filters(session: Session, frame: pd.DataFrame, best: Estimate, sigma_rho: np.ndarray) -> dict[str, Filtered]:
-    """Run every case on the measured frame; `best` is the recommended WLS with its sigma_rho (n,)."""
+def run_filters(session: Session, frame: pd.DataFrame, best: Batch) -> dict[str, Filtered]:
+    """Run every case on the measured frame; `best` is the recommended WLS variant."""
     return {
-        name: run_case(session, frame, best, sigma_rho, case, tuning, name)
+        name: run_case(session, frame, best, case, tuning, name)
         for case in session.experiment.ekf.case
         for tuning, name in names_of(case).items()
     }
 
 
-def run_case(
-    session: Session, frame: pd.DataFrame, best: Estimate, sigma_rho: np.ndarray, case: EkfCase, tuning: str, name: str
-) -> Filtered:
+def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, tuning: str, name: str) -> Filtered:
     """Run one case with one tuning ("paper", "known" or "derived")."""
     ekf, binding = session.experiment.ekf, session.binding
     method, substeps = case.method or ekf.method, case.substeps or ekf.substeps
-    noise = noise_levels(session, frame, sigma_rho, case, tuning)
+    noise = noise_levels(session, frame, best.regression.sigma_rho, case, tuning)
     q = frame[joint_columns("q", binding.n)].to_numpy()
     u = frame[joint_columns("u", binding.n)].to_numpy()
-    chi0, P0 = prior(session, case, best)
-    z0 = np.concatenate([np.zeros(binding.n), q[0], chi0])
+    chi0, P0 = prior(session, case, best.estimate)
+    z0 = np.concatenate([start_velocity(session, best), q[0], chi0])
     start = process_time()
     with open_plant(binding, "filter", ekf.interface, method, substeps) as plant:
         time = frame.index.to_numpy(dtype=float)
@@ -73,6 +72,13 @@ def run_case(
         "process_noise": "on the joint forces" if noise.input_noise else "on the states",
     }
     return Filtered(estimate, run, chi0, tuning, settings, calls)
+
+
+def start_velocity(session: Session, best: Batch) -> np.ndarray:
+    """qd (n,) where the filter starts: at rest, or as the filtered record begins."""
+    if session.experiment.ekf.start_at_rest:
+        return np.zeros(session.binding.n)
+    return best.filtered[joint_columns("qd", session.binding.n)].iloc[0].to_numpy()
 
 
 def prior(session: Session, case: EkfCase, best: Estimate) -> tuple[np.ndarray, np.ndarray]:

@@ -106,8 +106,7 @@ def _stages(
     filters, tests = {}, {}
     with session.stage("EKF"):
         if session.experiment.ekf is not None:
-            best = batch.recommended
-            filters = run_filters(session, frame, best.estimate, best.regression.sigma_rho)
+            filters = run_filters(session, frame, batch.recommended)
             tests = {name: consistency(f.run) for name, f in filters.items() if f.run.failed_at is None}
             filters = {name: entries.with_sigma_reason(f, tests.get(name)) for name, f in filters.items()}
     found, tables = entries.filter_entries(session, filters, tests)

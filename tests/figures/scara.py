@@ -138,7 +138,7 @@ def filtered(session: Session, name: str, tuning: str, frame=None, start: bool =
     case = next(c for c in session.experiment.ekf.case if c.name == name and (start or tuning in c.tunings))
     with open_inverse_model(session, frame) as model:
         best = run_variant(session, frame, model, session.recommended)
-    return run_case(session, frame, best.estimate, best.regression.sigma_rho, case, tuning, f"{name} {tuning}")
+    return run_case(session, frame, best, case, tuning, f"{name} {tuning}")
 
 
 def ekf_figures(seeds) -> list[Figure]:

@@ -8,7 +8,7 @@ from pipeline.errors import FmuError
 
 
 class LinearPlant:
-    """One joint, m qdd = u − c qd, as s⁺ = A s + B u exactly; the parameter (c,) only moves the velocity if `affine`."""
+    """One joint, s⁺ = A s + B u + E chi exactly: the parameter chi (1,) is a constant load."""
 
     n, h, ns = 1, 0, 2
     binding = SimpleNamespace(gain=np.ones(1), u_range=np.ones(1))

@@ -1,0 +1,83 @@
+"""The figures of the exported FMUs: validation, accuracy against SciPy's Radau, replay of the FMU state."""
+
+from __future__ import annotations
+
+import numpy as np
+from fmpy.validation import validate_fmu
+from scipy.integrate import solve_ivp
+
+from pipeline.export.build import build
+from pipeline.paths import FMUS
+from pipeline.plant.binding import gains_of_bindings
+from tests.export.driver import Archive
+from tests.export.oracles import march
+from tests.export.test_fmus import NAMES, PLANTS, STATES, H, commands, drive
+from tests.figures.figure import Figure, at_most, yes
+
+
+def measure() -> list[Figure]:
+    """Every figure of the FMUs."""
+    build(None, FMUS, gains_of_bindings())
+    silent = [name for name in NAMES if not validate_fmu(str(FMUS / f"{name}.fmu"))]
+    rows = [yes("fmpy validation silent", silent == NAMES, f"{len(silent)} of {len(NAMES)}", "every FMU")]
+    for name in PLANTS:
+        archive = Archive(FMUS / f"{name}.fmu")
+        try:
+            rows += [*_accuracy(archive, name), _replay(archive, name)]
+        finally:
+            archive.close()
+    return rows
+
+
+def _accuracy(archive: Archive, name: str) -> list[Figure]:
+    """Co-Simulation at 0.25 ms and Model Exchange against Radau at 1e-10, through friction reversals."""
+    rhs, values, inputs, outputs = PLANTS[name]
+    rows = []
+    for kind in ("smooth", "rough"):
+        exact = march(rhs(values), np.zeros(len(outputs)), commands(name, kind), H)
+        with archive.co_simulation(**values, internalStep=2.5e-4) as instance:
+            error = np.abs(drive(instance, name, commands(name, kind)) - exact)
+        n = len(inputs)
+        for what, columns in (("position", slice(None, n)), ("velocity", slice(n, None))):
+            title = f"{name}: Co-Simulation, {kind} reversals, {what}, at 0.25 ms"
+            rows.append(at_most(title, float(error[:, columns].max()), 1e-8))
+    found = _by_model_exchange(archive, name)
+    return [*rows, at_most(f"{name}: Model Exchange, rough reversals", float(np.abs(found - exact).max()), 1e-7)]
+
+
+def _by_model_exchange(archive: Archive, name: str) -> np.ndarray:
+    values, inputs = PLANTS[name][1:3]
+    order = [archive.states.index(s) for s in STATES[name]]
+    with archive.model_exchange(**values) as instance:
+        x = instance.continuous_states()
+        rows = [x[order]]
+        for k, u in enumerate(commands(name, "rough")):
+            instance.set(**dict(zip(inputs, u, strict=True)))
+            x = solve_ivp(instance.rhs, (k * H, (k + 1) * H), x, method="LSODA", rtol=1e-11, atol=1e-12).y[:, -1]
+            rows.append(x[order])
+    return np.array(rows)
+
+
+def _replay(archive: Archive, name: str) -> Figure:
+    """The same steps from a restored FMU state, bit for bit."""
+    u, half = commands(name, "rough"), 50
+    with archive.co_simulation(**PLANTS[name][1]) as instance:
+        drive(instance, name, u[:half])
+        state = instance.fmu.getFMUstate()
+        runs = []
+        for _ in range(2):
+            instance.fmu.setFMUstate(state)
+            runs.append(_continue(instance, name, u, half))
+        instance.fmu.freeFMUstate(state)
+    same = np.array_equal(*runs)
+    return yes(f"{name}: FMU state replays", same, "bit for bit" if same else "differs", "bit for bit")
+
+
+def _continue(instance, name: str, u: np.ndarray, first: int) -> np.ndarray:
+    inputs, outputs = PLANTS[name][2:]
+    rows = []
+    for k in range(first, len(u)):
+        instance.set(**dict(zip(inputs, u[k], strict=True)))
+        instance.step(k * H, H)
+        rows.append(instance.get(*outputs))
+    return np.array(rows)
