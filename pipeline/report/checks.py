@@ -133,7 +133,8 @@ def _histogram(run: Run, base: tuple[str, str], residual: np.ndarray) -> Panel:
         series=(Bars("residual", centres, heights.astype(float), width, "wls"), line("normal", x, bell, "truth")),
         x_label=with_unit("Residual", run.force_unit),
         y_label="Samples",
-        summary=f"{len(values):,} samples, kurtosis {number(kurtosis, 3)} (normal: 3).",
+        summary=f"{len(values):,} samples, {len(values) - heights.sum()} of them beyond ±4σ,"
+        f" kurtosis {number(kurtosis, 3)} (normal: 3).",
         caption="Good: the bars follow the curve. Bad: long tails (outliers, friction reversals) or two humps.",
     )
 

@@ -110,6 +110,7 @@
   }
 
   function remake() {
+    style = null;
     for (const panel of panels) {
       if (!panel.plot) continue;
       panel.plot.remove();
@@ -119,7 +120,9 @@
   }
 
   // Colours as the style sheet has them in the theme of the moment, resolved for a canvas.
+  let style = null;
   function look() {
+    if (style) return style;
     const probe = document.body.appendChild(document.createElement("span"));
     const resolved = (name) => {
       probe.style.color = `var(--${name})`;
@@ -129,7 +132,8 @@
     const palette = Object.fromEntries([...names].map((name) => [name, resolved(`c-${name}`)]));
     const [muted, line, grid] = ["muted", "line", "grid"].map(resolved);
     probe.remove();
-    return {colour: (name) => palette[name], muted, line, grid, font: getComputedStyle(document.body).fontFamily};
+    style = {colour: (name) => palette[name], muted, line, grid, font: getComputedStyle(document.body).fontFamily};
+    return style;
   }
 
   const observer = new IntersectionObserver((entries) => {
