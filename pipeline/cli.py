@@ -68,6 +68,9 @@ def _experiment_command(commands, name: str, help_text: str) -> argparse.Argumen
     command = commands.add_parser(name, help=help_text, epilog=EXIT_CODES)
     command.add_argument("experiment", metavar="EXPERIMENT", help="scara, emps, or a path to a .toml file")
     command.add_argument("--data", metavar="PATH", help="folder of the measured data")
+    command.add_argument(
+        "--simulated", action="store_true", help="simulated data, where the experiment has measured ones"
+    )
     command.add_argument("--seed", type=int, help="seed of the noise")
     command.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="override a setting, e.g. ekf.substeps=8"
@@ -84,7 +87,7 @@ def _session(arguments: argparse.Namespace):
         overrides.append(f"seed={arguments.seed}")
     if arguments.data is not None:
         overrides.append(f"data.folder={json.dumps(arguments.data)}")
-    return open_session(arguments.experiment, overrides, _narrate)
+    return open_session(arguments.experiment, overrides, _narrate, arguments.simulated)
 
 
 def _narrate(text: str) -> None:

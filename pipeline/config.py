@@ -171,8 +171,8 @@ class LimitSettings(Settings):
 class Experiment(Settings):
     """A whole experiment: a plant (its binding), where the data come from, the estimators, the limits.
 
-    Exactly one of `simulation` and `data` feeds the pipeline unless `--data` chooses; `recommended` names the WLS
-    variant that everything else builds on; `reference` holds published results and goes into the record as it is.
+    Measured `data` come before `simulation` where an experiment has both; `recommended` names the WLS variant that
+    everything else builds on; `reference` holds published results and goes into the record as it is.
     """
 
     name: str
@@ -190,15 +190,20 @@ class Experiment(Settings):
     reference: dict[str, Any] = {}
 
 
-def load_experiment(name_or_path: str, overrides: Sequence[str] = ()) -> tuple[Experiment, dict]:
+def load_experiment(
+    name_or_path: str, overrides: Sequence[str] = (), without: Sequence[str] = ()
+) -> tuple[Experiment, dict]:
     """The experiment shipped as `name`, or in the TOML file at a path, with `--set key.path=value` overrides applied.
 
-    Returns the settings and the plain table they came from (for the run record). Raises ConfigError.
+    without: top-level tables to leave out. Returns the settings, and the plain table they came from for the run
+    record. Raises ConfigError.
     """
     path = find_experiment(name_or_path)
     table = {"name": path.stem, **read_toml(path)}
     for override in overrides:
         apply_override(table, override)
+    for key in without:
+        table.pop(key, None)
     experiment = convert(table, Experiment, path.name)
     _check(experiment, path.name)
     return experiment, table
@@ -311,8 +316,8 @@ def _check(experiment: Experiment, where: str) -> None:
     names = [w.name for w in experiment.wls]
     if experiment.recommended not in names:
         raise ConfigError(f"{where}: recommended `{experiment.recommended}` is none of the WLS variants {names}")
-    if (experiment.simulation is None) == (experiment.data is None):
-        raise ConfigError(f"{where}: give exactly one of [simulation] and [data]")
+    if experiment.simulation is None and experiment.data is None:
+        raise ConfigError(f"{where}: no data: give [simulation] or [data]")
     for case in experiment.ekf.case if experiment.ekf else ():
         if bool(case.chi0) == (case.wls_factor is not None):
             raise ConfigError(f"{where}: {case.name}: give exactly one of chi0 and wls_factor")
@@ -320,5 +325,5 @@ def _check(experiment: Experiment, where: str) -> None:
             raise ConfigError(f"{where}: {case.name}: give exactly one of P0_parameters, P0_relative and P0_sigmas")
         if "paper" in case.tunings and not (case.R and case.Q):
             raise ConfigError(f"{where}: {case.name}: the tuning `paper` needs R and Q")
-        if "known" in case.tunings and experiment.simulation is None:
+        if "known" in case.tunings and experiment.data is not None:
             raise ConfigError(f"{where}: {case.name}: the tuning `known` needs simulated data; use `derived`")

@@ -21,7 +21,7 @@ MIN_SAMPLES = 200
 
 def acquire(session: Session, validation: bool = False, seed_offset: int = 0) -> pd.DataFrame:
     """The measured frame of the identification run, or of the validation run."""
-    if session.experiment.data is not None:
+    if session.measured:
         return read(session, validation)
     return simulate(session, validation, seed_offset)
 

@@ -58,7 +58,11 @@ def essential_entry(found: Essential | None) -> dict | None:
         return None
     estimate = found.estimate
     parameters = {
-        name: {"value": estimate.theta[i], "sigma": estimate.sigma[i], "unit": estimate.units[i]}
+        name: {
+            "value": estimate.theta[i],
+            "sigma": None if estimate.sigma_reason else estimate.sigma[i],
+            "unit": estimate.units[i],
+        }
         for i, name in enumerate(estimate.names)
     }
     return {"kept": list(found.kept), "dropped": [list(d) for d in found.dropped], "parameters": parameters}

@@ -75,7 +75,7 @@ def _validated(session: Session, validation: ValidationStage) -> list[Item]:
         items.append(at_most(f"{name} force error above the noise floor in %", above, limits.above_noise_floor_percent))
     for signal in ("position", "force"):
         limit = getattr(limits, f"closed_loop_{signal}_percent")
-        if limit is not None:
-            worst = max((run[signal] for run in validation.closed_loop.values()), default=None)
+        if limit is not None and validation.closed_loop:
+            worst = max((run[signal] for run in validation.closed_loop.values()))
             items.append(at_most(f"closed loop, largest {signal} error in %", worst, limit))
     return items

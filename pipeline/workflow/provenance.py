@@ -61,7 +61,7 @@ def _identity(path: Path) -> dict:
 
 def _data_files(session: Session) -> list[Path]:
     data, simulation = session.experiment.data, session.experiment.simulation
-    if data is not None:
+    if session.measured:
         return [Path(data.folder) / name for name in (data.identification, data.validation)]
     return [session.folder / name for name in (simulation.identification, simulation.validation)]
 

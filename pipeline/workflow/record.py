@@ -32,7 +32,7 @@ def experiment_entry(session: Session) -> dict:
     return {
         "name": e.name,
         "title": e.title,
-        "kind": "simulated" if e.simulation is not None else "measured",
+        "kind": "measured" if session.measured else "simulated",
         "seed": e.seed,
         "joints": session.binding.n,
         "joint_names": [j.name for j in joints],

@@ -101,7 +101,7 @@ def _stages(
     record["estimates"] |= found
     signals |= tables
     record["excitation"] = entries.excitation_entry(batch.recommended.excitation)
-    if session.experiment.simulation is not None:
+    if not session.measured:
         record["excitation"]["reference"] = entries.excitation_entry(reference_excitation(session, model))
     filters, tests = {}, {}
     with session.stage("EKF"):

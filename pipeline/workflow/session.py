@@ -32,8 +32,12 @@ class Session:
     @property
     def rate(self) -> float:
         """The sample rate of the data in Hz."""
-        source = self.experiment.simulation or self.experiment.data
-        return source.rate
+        return (self.experiment.data or self.experiment.simulation).rate
+
+    @property
+    def measured(self) -> bool:
+        """Whether the data are measured, not simulated."""
+        return self.experiment.data is not None
 
     @property
     def recommended(self) -> WlsSettings:
@@ -43,7 +47,7 @@ class Session:
     @property
     def truth(self) -> np.ndarray | None:
         """The true parameters (p,) of a simulated plant, or None."""
-        if self.experiment.simulation is None:
+        if self.measured:
             return None
         return np.array([self.experiment.simulation.truth[name] for name in self.binding.names])
 
@@ -56,9 +60,17 @@ class Session:
         self.narrate(f"  {name:<22}{self.stages[name]:7.2f} s CPU")
 
 
-def open_session(name_or_path: str, overrides=(), narrate: Callable[[str], None] = lambda text: None) -> Session:
-    """Load an experiment with `--set` overrides and its binding, and hold one against the other. Raises ConfigError."""
-    experiment, table = load_experiment(name_or_path, overrides)
+def open_session(
+    name_or_path: str,
+    overrides=(),
+    narrate: Callable[[str], None] = lambda text: None,
+    simulated: bool = False,
+) -> Session:
+    """Load an experiment with `--set` overrides and its binding, and hold one against the other. Raises ConfigError.
+
+    simulated: leave measured data aside and use the experiment's [simulation].
+    """
+    experiment, table = load_experiment(name_or_path, overrides, without=("data",) if simulated else ())
     folder = find_experiment(name_or_path).parent
     session = Session(experiment, table, load_binding(experiment.plant, folder), folder, narrate)
     _check_sizes(session)

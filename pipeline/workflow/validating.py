@@ -93,7 +93,7 @@ def _closed_loops(
 ) -> dict[str, pd.DataFrame]:
     """Measured and simulated signals of both runs, with the parameters of the estimate that the experiment names."""
     settings = session.experiment.closed_loop
-    if settings is None:
+    if settings is None or not session.measured:  # simulated data hold noise that no re-simulation can know
         return {}
     if settings.estimate not in estimates or estimates[settings.estimate].status != OK:
         raise ConfigError(f"closed_loop.estimate: `{settings.estimate}` is no estimate that succeeded; name another")
