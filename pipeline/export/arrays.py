@@ -82,6 +82,11 @@ def subscripts(dimensions: list[int]) -> list[str]:
     return [f"[{','.join(map(str, item))}]" for item in product(*(range(1, n + 1) for n in dimensions))]
 
 
+def size(value: Value, dimension: int) -> int:
+    """The length along a dimension, counted from 1."""
+    return len(value) if dimension == 1 else size(value[0], dimension - 1)
+
+
 def to_int(value: Value) -> int | None:
     """A constant integer, or None where the value is anything else."""
     if isinstance(value, tuple) or not value.is_constant():

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from threading import Lock
 
 from pipeline.errors import ExportError
 from pipeline.export.archive import write_archive
@@ -23,6 +24,7 @@ HERE = Path(__file__).resolve().parent
 WRAPPER = HERE / "wrapper"
 PACKAGE = HERE.parent.parent / "modelica" / "RobotIdentification"
 RECORD = ".build.json"
+ONE_AT_A_TIME = Lock()  # CasADi's expressions count their references without locks; the compilers run side by side
 
 
 @dataclass(frozen=True)
@@ -105,23 +107,44 @@ def starts_of(name: str, start_values: Mapping[str, Mapping[str, float]]) -> Sta
 
 def export(modelica: Path, model: str, path: Path, starts: Starts | None = None) -> Path:
     """Export one class as an FMU (FMI 2.0, Model Exchange and Co-Simulation), named after the file."""
-    source, starts = load(modelica, model), starts or Starts()
-    own = {variable["name"] for variable in source.dae["variables"]}
-    inherited = {name: value for name, value in starts.inherited.items() if name in own}
-    return write_fmu(translate(source, inherited | starts.given), path)
+    starts = starts or Starts()
+    with ONE_AT_A_TIME:
+        source = load(modelica, model)
+        own = {variable["name"] for variable in source.dae["variables"]}
+        inherited = {name: value for name, value in starts.inherited.items() if name in own}
+        contents = write_contents(translate(source, inherited | starts.given), path.stem)
+    return pack(contents, path)
 
 
 def write_fmu(model: Model, path: Path) -> Path:
-    """C code, library, model description and archive of a sorted model."""
-    name = path.stem
+    """The FMU of a sorted model."""
+    return pack(write_contents(model, path.stem), path)
+
+
+@dataclass(frozen=True)
+class Contents:
+    """The texts of an FMU: its C sources and headers by file name, its model description."""
+
+    sources: dict[str, str]
+    description: str
+
+
+def write_contents(model: Model, name: str) -> Contents:
+    """C code and model description of a sorted model."""
     wrapper = {file.name: file.read_text() for file in sorted(WRAPPER.glob("*.[ch]"))}
     guid = guid_of(wrapper | generate(model, "") | {"name": name})
     sources = wrapper | generate(model, guid)
-    files = {f"sources/{file}": text.encode() for file, text in sources.items()}
-    compiled = [file for file in sources if file.endswith(".c")]
-    files["modelDescription.xml"] = describe(model, name, guid, sorted(compiled)).encode()
+    compiled = sorted(file for file in sources if file.endswith(".c"))
+    return Contents(sources, describe(model, name, guid, compiled))
+
+
+def pack(contents: Contents, path: Path) -> Path:
+    """Compile the sources and write the archive."""
     folder, suffix = platform()
-    files[f"binaries/{folder}/{name}{suffix}"] = compile_sources(sources, name + suffix, path.with_suffix(".log"))
+    library = path.stem + suffix
+    files = {f"sources/{file}": text.encode() for file, text in contents.sources.items()}
+    files["modelDescription.xml"] = contents.description.encode()
+    files[f"binaries/{folder}/{library}"] = compile_sources(contents.sources, library, path.with_suffix(".log"))
     write_archive(path, files)
     return path
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from pipeline.errors import ExportError
 from pipeline.export.arrays import Value, elementwise, flatten
 from pipeline.export.clocks import read_clocks
 from pipeline.export.events import Discrete, Events, Relation, new_events
@@ -67,10 +68,22 @@ def column(items: list[ca.SX]) -> ca.SX:
 
 def translate(source: Source, start_values: Mapping[str, float] | None = None) -> Model:
     """The model with its equations sorted; ExportError names what cannot be exported."""
+    try:
+        model = _translate(source, dict(start_values or {}))
+    except ExportError:
+        raise
+    except (LookupError, TypeError, ValueError, RuntimeError) as error:
+        what = " ".join(f"{type(error).__name__} {error}".split())
+        raise source.refuse(f"the front end gives it in a form that is not understood: {what}") from error
+    _check_closed(source, model)
+    return model
+
+
+def _translate(source: Source, start_values: dict[str, float]) -> Model:
     expressions, entries = Expressions(source), declare(source)
     time = ca.SX.sym("time")
     coordinates = _coordinates(entries, time)
-    parameters = bind_parameters(expressions, entries, Scope(coordinates), dict(start_values or {}))
+    parameters = bind_parameters(expressions, entries, Scope(coordinates), start_values)
     for entry in entries:
         apply_limits(expressions, entry, parameters, Scope(coordinates))
     variables = _by_kind(entries)
@@ -100,6 +113,17 @@ def translate(source: Source, start_values: Mapping[str, float] | None = None) -
     if n:
         model.variables["parameter"].append(_internal_step())
     return model
+
+
+def _check_closed(source: Source, model: Model) -> None:
+    """Continuous equations may name states, inputs, parameters, discrete variables and time, nothing else."""
+    known = {symbol.name() for argument in model.arguments() for symbol in ca.symvar(argument)}
+    for kind, values in (("derivative", model.derivatives), ("algebraic", model.algebraics)):
+        for variable, value in zip(model.variables[kind], ca.vertsplit(values) if values.numel() else [], strict=True):
+            strange = {symbol.name() for symbol in ca.symvar(value)} - known
+            if strange:
+                what = f"{variable.name} depends on {', '.join(sorted(strange))} outside a when-clause"
+                raise source.refuse(f"{what}, which cannot be exported")
 
 
 def _coordinates(entries: list[Entry], time: ca.SX) -> dict[tuple[str, int], Value]:
@@ -177,7 +201,7 @@ def _solve_events(expressions, entries, scope, events, continuous, unknown, solu
 
 def mark_tunable(model: Model, calculated: dict[str, ca.SX]) -> None:
     """A parameter is tunable if a running model reads it; those of start values and sample periods are fixed."""
-    running = ca.vertcat(model.derivatives, model.algebraics, model.events.z, model.events.x)
+    running = ca.vertcat(model.derivatives, model.algebraics, model.events.z, model.events.x, model.events.violated)
     running = ca.vertcat(running, *[relation.truth for relation in model.events.relations])
     read = {symbol.name() for symbol in ca.symvar(running)}
     read |= {s.name() for name, value in calculated.items() if name in read for s in ca.symvar(value)}

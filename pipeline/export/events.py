@@ -74,11 +74,21 @@ class Discrete:
             if entry.pre is not None
             for scalar, symbol in zip(entry.scalars, flatten(entry.pre), strict=True)
         }
+        # what is known of the time before the event: the relations that have one, and the discrete variables
+        before = {(entry.role, entry.i): entry.pre for entry in entries if entry.pre is not None}
+        parameters = [s for e in entries for s in e.scalars if s.kind in ("constant", "parameter", "calculated")]
+        self.scope_pre = Scope({**scope.coordinates, **before})
+        self.known_before = {symbol.name() for symbol in ca.symvar(events.r_pre)}
+        self.known_before |= {symbol.name() for symbol in self.pre.values()}
+        self.known_before |= {scalar.name for scalar in parameters}
 
     # --- conditions ------------------------------------------------------------------------------------------------
 
-    def level(self, c: int, r: ca.SX, flags: ca.SX) -> ca.SX:
-        """Condition c with these relations and flags."""
+    def level(self, c: int) -> ca.SX:
+        """Condition c at the event."""
+        return self._level(c, self.events.r, self.events.flags, self.scope)
+
+    def _level(self, c: int, r: ca.SX, flags: ca.SX, scope: Scope) -> ca.SX:
         node = self.source.dae["conditions"][c]["node"]
         kind, body = (node, None) if isinstance(node, str) else next(iter(node.items()))
         if kind == "initial":
@@ -88,51 +98,35 @@ class Discrete:
         if kind == "clock":
             return flags[1 + body]
         if kind == "relation":
-            return self._relation(self.source.dae["relations"][body]["relation"]["expression"], r)
+            node = self.source.dae["relations"][body]["relation"]["expression"]
+            return r[self.rooted[node]] if node in self.rooted else self.expressions.read(node, scope)
         if kind == "discrete":
-            return self.expressions.read(body, self.scope)
+            return self.expressions.read(body, scope)
         if kind == "not":
-            return ca.logic_not(self.level(body, r, flags))
+            return ca.logic_not(self._level(body, r, flags, scope))
         if kind in ("and", "or", "any_rise"):
             operation = ca.logic_and if kind == "and" else ca.logic_or
-            return operation(self.level(body["lhs"], r, flags), self.level(body["rhs"], r, flags))
+            return operation(*(self._level(body[side], r, flags, scope) for side in ("lhs", "rhs")))
         raise self.source.refuse(f"a condition of kind {kind} cannot be exported", self.source.dae["conditions"][c])
 
-    def _relation(self, node: int, r: ca.SX) -> ca.SX:
-        return r[self.rooted[node]] if node in self.rooted else self.expressions.read(node, self.scope)
-
     def rises(self, c: int) -> ca.SX:
-        """Condition c becomes true at this event."""
+        """Condition c becomes true at this event; at the initialisation none does but initial()."""
         entry = self.source.dae["conditions"][c]
         node = entry["node"]
         if isinstance(node, dict) and "any_rise" in node:
             return ca.logic_or(self.rises(node["any_rise"]["lhs"]), self.rises(node["any_rise"]["rhs"]))
-        self._check_trigger(c)
-        before = self.level(c, self.events.r_pre, ca.SX.zeros(self.events.flags.shape))
-        return ca.logic_and(self.level(c, self.events.r, self.events.flags), ca.logic_not(before))
-
-    def _check_trigger(self, c: int) -> None:
-        """A trigger's value before the event is known for relations with an event, clocks and initial() alone."""
-        entry = self.source.dae["conditions"][c]
-        kind, body = (entry["node"], None) if isinstance(entry["node"], str) else next(iter(entry["node"].items()))
-        if kind == "relation":
-            known = self.source.dae["relations"][body]["relation"]["expression"] in self.rooted
-            if not known:
-                raise self.source.refuse("a when-clause on this relation cannot be exported", entry)
-        elif kind in ("and", "or"):
-            self._check_trigger(body["lhs"])
-            self._check_trigger(body["rhs"])
-        elif kind == "not":
-            self._check_trigger(body)
-        elif kind not in ("initial", "clock"):
-            raise self.source.refuse(f"a when-clause on a condition of kind {kind} cannot be exported", entry)
+        before = self._level(c, self.events.r_pre, ca.SX.zeros(self.events.flags.shape), self.scope_pre)
+        if {symbol.name() for symbol in ca.symvar(before)} - self.known_before:
+            raise self.source.refuse("a when-clause on this condition cannot be exported", entry)
+        risen = ca.logic_and(self.level(c), ca.logic_not(before))
+        return risen if node == "initial" else ca.logic_and(risen, ca.logic_not(self.events.flags[0]))
 
     def active(self, activation: Any) -> ca.SX | None:
         """When a clause acts; None: always."""
         if activation == "always":
             return None
         when = activation["when"]
-        return ca.logic_and(self.rises(when["trigger"]), self.level(when["guard"], self.events.r, self.events.flags))
+        return ca.logic_and(self.rises(when["trigger"]), self.level(when["guard"]))
 
     # --- assignments -----------------------------------------------------------------------------------------------
 
@@ -183,7 +177,7 @@ class Discrete:
         after, violated = dict(states), []
         for entry in self.source.dae["event_actions"]:
             kind, body = next(iter(entry["kind"].items()))
-            guard = self.level(entry["guard"], self.events.r, self.events.flags)
+            guard = self.level(entry["guard"])
             if kind == "reinitialize":
                 active = ca.logic_and(self.rises(entry["trigger"]), guard)
                 name = self.entries[body["state"]].scalars[0].name

@@ -14,7 +14,7 @@ from typing import Any
 
 import casadi as ca
 
-from pipeline.export.arrays import Value, elementwise, flatten, index, matmul, stack, to_int
+from pipeline.export.arrays import Value, elementwise, flatten, index, matmul, size, stack, to_int
 from pipeline.export.frontend import Source
 
 BINARY: dict[str, Callable] = {
@@ -142,8 +142,11 @@ class Expressions:
 
     def _read_builtin(self, i: int, body: dict, scope: Scope) -> Value:
         name, operands = body["builtin"], self.operands[i]
-        if name in ("zeros", "ones", "fill"):
+        if name in ("zeros", "ones", "fill", "identity"):
             return self._filled(name, operands, scope)
+        if name == "size" and len(operands) == 2:
+            array = self.read(operands[0], scope)
+            return ca.SX(size(array, self.integer(operands[1], scope)))
         values = [self.read(operand, scope) for operand in operands]
         if name in ("no_event", "homotopy"):
             return values[0]
@@ -166,18 +169,23 @@ class Expressions:
         return elementwise(FUNCTIONS[name], *values)
 
     def _filled(self, name: str, operands: list[int], scope: Scope) -> Value:
+        if name == "identity":
+            n = self.integer(operands[0], scope)
+            return tuple(tuple(ca.SX(float(i == k)) for k in range(n)) for i in range(n))
         value, sizes = (self.read(operands[0], scope), operands[1:]) if name == "fill" else (None, operands)
         value = ca.SX(float(name == "ones")) if value is None else value
-        for size in reversed(sizes):
-            value = (value,) * self.integer(size, scope)
+        for operand in reversed(sizes):
+            value = (value,) * self.integer(operand, scope)
         return value
 
     def _read_call(self, i: int, body: dict, scope: Scope) -> Value:
         """A function of assignments alone, written out in place."""
         function = self.source.dae["functions"][body["function"]]
-        if function["external"] is not None:
+        if function["external"] is not None or body["derivative"] is not None:
             raise self.refuse(f"the external function {function['name']} cannot be exported", i)
-        arguments = {("parameter", k): self.read(operand, scope) for k, operand in enumerate(self.operands[i])}
+        arguments = {
+            ("parameter", k): self.read(operand, scope) for k, operand in enumerate(self.operands[body["owner"]])
+        }
         for statement in function["statements"]:
             if set(statement) - {"provenance"} != {"assignment"}:
                 raise self.refuse(f"function {function['name']}: only assignments can be exported", i)

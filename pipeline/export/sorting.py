@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from pipeline.errors import ExportError
 
@@ -68,6 +69,9 @@ def solve_block(members: list[Equation], unknowns: list[ca.SX], model: str) -> l
         names = ", ".join(symbol.name() for symbol in unknowns)
         places = ", ".join(dict.fromkeys(member.place for member in members if member.place))
         raise ExportError(f"{model}: a non-linear system of equations cannot be exported: {names} ({places})")
+    if A.is_constant() and np.linalg.matrix_rank(ca.DM(A).full()) < len(unknowns):
+        names = ", ".join(symbol.name() for symbol in unknowns)
+        raise ExportError(f"{model}: a singular system of equations: {names}")
     b = -ca.substitute(residual, symbols, ca.SX.zeros(len(unknowns)))
     if len(unknowns) == 1:
         return [b / A]

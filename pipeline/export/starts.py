@@ -23,6 +23,7 @@ def read_starts(
     `start` of the scalars whose start value is a number.
     """
     starts: dict[str, ca.SX] = {}
+    initial = initial + fixed_algebraics(expressions, entries, scope)
     loose: list[ca.SX] = []  # states that fixed=true does not pin
     for entry in entries:
         if entry.scalars[0].kind not in ("state", "discrete", "input"):
@@ -39,6 +40,19 @@ def read_starts(
     starts |= solve_initial(expressions, initial, loose, unknown, solution, starts)
     _check_known(expressions, entries, starts)
     return starts
+
+
+def fixed_algebraics(expressions: Expressions, entries: list[Entry], scope: Scope) -> list[Equation]:
+    """fixed=true on what is no state, an output for example, is an initial equation."""
+    equations = []
+    for entry in entries:
+        fixed = (entry.data["attributes"] or {}).get("fixed") or [False]
+        if entry.scalars[0].kind == "algebraic" and any(fixed):
+            values = read_attribute(expressions, entry, "start", scope) or [ca.SX(0)] * len(entry.scalars)
+            place = expressions.source.place(entry.data)
+            pairs = enumerate(zip(entry.scalars, values, strict=True))
+            equations += [Equation(s.symbol - value, place) for k, (s, value) in pairs if fixed[k % len(fixed)]]
+    return equations
 
 
 def solve_initial(expressions, initial, loose, unknown, solution, starts) -> dict[str, ca.SX]:

@@ -23,3 +23,8 @@ def model_of(folder: Path, text: str, model: str = "M", **start_values):
 def archive_of(folder: Path, text: str, model: str = "M", **start_values) -> Archive:
     """The FMU of a model in a text, unpacked."""
     return Archive(write_fmu(model_of(folder, text, model, **start_values), folder / "fmus" / f"{model}.fmu"))
+
+
+def integers(instance, *names: str) -> list[int]:
+    """Values of Integer variables of an instance."""
+    return instance.fmu.getInteger([instance.archive.references[name] for name in names])

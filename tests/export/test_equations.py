@@ -100,6 +100,37 @@ def test_functions_of_assignments_are_written_out(tmp_path):
     assert values["a"] == 2 * (25 + 3) + 2 * (36 + 5)
 
 
+def test_functions_of_several_results_and_of_arrays(tmp_path):
+    text = """
+    function f
+      input Real x;
+      output Real a;
+      output Real b;
+    algorithm
+      a := 2*x;
+      b := 3*a;
+    end f;
+    function total
+      input Real x[:];
+      output Real y;
+    algorithm
+      y := sum(x) + size(x, 1);
+    end total;
+    model M
+      input Real u;
+      Real p;
+      Real q;
+      Real r=total({u, p, q});
+      Real A[2,2]=3*identity(2) + fill(1, 2, 2);
+    equation
+      (p, q) = f(u);
+    end M;
+    """
+    values = evaluate(model_of(tmp_path, text), u=5.0)
+    assert (values["p"], values["q"], values["r"]) == (10, 30, 48)
+    assert (values["A[1,1]"], values["A[1,2]"]) == (4, 1)
+
+
 @pytest.mark.parametrize("x", [-0.7, 0.0, 0.3, 2.5])
 def test_elementary_functions(tmp_path, x):
     text = """
@@ -220,55 +251,7 @@ def test_initial_equations_for_states_and_discrete_variables(tmp_path):
     assert (values["x"], values["y"], values["d"]) == pytest.approx((2.0, 1.0, 6.0))
 
 
-REFUSED = {
-    "assigned twice": ("Real x; equation x = 1; x = 2;", "refuses it"),
-    "higher index": (
-        "Real x; Real y; Real f; equation der(x) = y; der(y) = f;\n x = sin(time);",
-        r"structurally singular \(rank 2 of 3\).*higher index.*M\.mo:2",
-    ),
-    "non-linear loop": ("Real x; Real y; equation x = cos(y);\n y = sin(x);", r"non-linear system.*: [xy], [xy]"),
-    "no binding": ("parameter Real k; Real x(start=0, fixed=true); equation der(x) = k;", "parameter k has no value"),
-    "fixed=false": (
-        "parameter Real k(fixed=false); Real x(start=0); initial equation k = 2; equation der(x) = k;",
-        r"parameter k: fixed=false",
-    ),
-    "too many initial equations": (
-        "Real x(start=0, fixed=true); initial equation x = 1; equation der(x) = 1;",
-        "initial equation|refuses it",
-    ),
-    "time event": ("Real x(start=0, fixed=true); equation der(x) = if time > 0.5 then 1 else 0;", "time event"),
-    "floor": ("Real x=floor(time);", "floor cannot be exported"),
-    "terminate": ('Real x=time; equation when x > 1 then terminate("end"); end when;', "terminate"),
-    "string": ('parameter String s="a"; Real x=time;', r"variable s: its type string"),
-    "delay": ("Real x=delay(time, 0.1);", "delay|refuses it"),
-    "loop in a function": (
-        "function f input Real x; output Real y; algorithm y := 0; for i in 1:3 loop y := y + x; end for; end f;"
-        "Real x=f(time);",
-        "only assignments",
-    ),
-    "external function": (
-        'function f input Real x; output Real y; external "C" y = sin(x); end f; Real x=f(time);',
-        "external function",
-    ),
-    "start from an input": (
-        "input Real u; Real x(start=u, fixed=true); equation der(x) = 1;",
-        "depends on u|refuses it",
-    ),
-    "sample of an expression": (
-        "parameter Real T=1; discrete Real x; equation when sample(0, 2*T) then x = time; end when;",
-        r"sample\(\) takes a number or a parameter",
-    ),
-    "two parameters for one period": (
-        "parameter Real S=1; parameter Real T=1; discrete Real x; discrete Real y;"
-        "equation when sample(0, S) then x = time; end when; when sample(0, T) then y = time; end when;",
-        "two sample periods of 1 s",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_exported_is_refused_by_name(tmp_path, case):
-    body, message = REFUSED[case]
-    with pytest.raises(ExportError, match=message) as refusal:
-        model_of(tmp_path, f"model M {body} end M;")
-    assert "\n" not in str(refusal.value)
+def test_a_fixed_start_value_of_no_state_is_an_initial_equation(tmp_path):
+    text = "model M Real x(start=3, fixed=true); Real y; equation y = 2*x; der(y) = -x; end M;"
+    values = evaluate(model_of(tmp_path, text))
+    assert (values["x"], values["y"]) == (3, 6)
