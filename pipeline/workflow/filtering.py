@@ -67,6 +67,7 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
         "interface": interface,
         "jacobian": ekf.jacobian,
         "covariance": ekf.covariance,
+        "P0": np.diag(P0).tolist(),
         "R": noise.R.tolist(),
         "Q": noise.q.tolist(),
         "process_noise": "on the joint forces" if noise.input_noise else "on the states",
@@ -123,9 +124,16 @@ def _estimate(name: str, binding, run: FilterRun, chi0: np.ndarray, ns: int, ela
         theta,
         None if failed else run.P[ns:, ns:],
         FAILED if failed else OK,
-        run.reason,
+        f"{run.reason}; the parameters then: {_listed(binding.names, theta)}" if failed else "",
         elapsed=elapsed,
         history_time=run.time,
         history=run.x[:, ns:],
         history_sigma=np.sqrt(np.maximum(run.P_diag[:, ns:], 0.0)),
     )
+
+
+def _listed(names: tuple[str, ...], theta: np.ndarray) -> str:
+    """`all 0`, or every parameter with its value: what the plant could not live with."""
+    if not theta.any():
+        return "all 0, so that the plant has no mass"
+    return ", ".join(f"{name} {value:.3g}" for name, value in zip(names, theta, strict=True))

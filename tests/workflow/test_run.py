@@ -1,0 +1,128 @@
+"""A whole experiment on a short record: the record it leaves, and what it leaves when a stage fails."""
+
+import json
+
+import numpy as np
+import pytest
+
+from pipeline.errors import ConfigError, DataError
+from pipeline.report.record import read_run
+from pipeline.workflow.acquire import acquire, simulate
+from pipeline.workflow.filtering import names_of
+from pipeline.workflow.run import identify, run
+from pipeline.workflow.session import open_session
+
+QUICK = ["ekf.case.EKF(2).tunings=['paper']", "ekf.substeps=1", "ekf.method='euler'"]
+
+
+@pytest.fixture(scope="module")
+def scara(fmus, tmp_path_factory):
+    """One run of the experiment by Euler, which is quick: folder, record, signals."""
+    session = open_session("scara", QUICK)
+    folder, record = run(session, str(tmp_path_factory.mktemp("reports") / "scara"))
+    return folder, record, read_run(folder)[1]
+
+
+def test_the_record_holds_what_the_schema_promises(scara):
+    folder, record, signals = scara
+    stored = json.loads((folder / "result.json").read_text())
+    assert stored["schema"] == 1 and stored["run_id"] == "scara"
+    assert (folder / "index.html").stat().st_size > 1e5
+    assert list(stored["estimates"]) == [
+        "WLS(1)", "WLS(2)", "WLS(3)", "RLS",
+        "EKF(1)", "EKF(1) known", "EKF(1) derived", "EKF(2)", "EKF(3)", "EKF(3) known", "EKF(3) derived", "EKF(3) Euler",
+    ]  # fmt: skip
+    for estimate in stored["estimates"].values():
+        assert set(estimate["parameters"]) == {"ZZR1", "Fv1", "Fs1", "ZZ2", "LMX2", "LMY2", "Fv2", "Fs2"}
+        assert estimate["signals"].removesuffix(".parquet") in signals
+    assert stored["provenance"]["seed"] == 1 and set(stored["provenance"]["fmus"]) == {"scara", "scara_controller"}
+    assert set(stored["timing"]["stages"]) == {"data", "WLS and RLS", "EKF", "validation"}
+    assert stored["errors"] == [] and stored["findings"]
+
+
+def test_ekf_1_is_a_failure_with_its_reason_and_never_a_number(scara):
+    for tuning in ("EKF(1)", "EKF(1) known", "EKF(1) derived"):
+        found = scara[1]["estimates"][tuning]
+        assert found["status"] == "failed"
+        assert "sample 1 (t = 0.01 s)" in found["reason"] and "no mass" in found["reason"]
+        assert all(p["value"] is None and p["sigma"] is None for p in found["parameters"].values())
+
+
+def test_sigma_is_withheld_exactly_where_a_reason_stands(scara):
+    for found in scara[1]["estimates"].values():
+        withheld = bool(found["sigma_reason"]) or found["status"] != "ok"
+        assert all((p["sigma"] is None) == withheld for p in found["parameters"].values())
+
+
+def test_rls_ends_where_wls_does(scara):
+    rls, wls = (scara[1]["estimates"][name]["parameters"] for name in ("RLS", "WLS(3)"))
+    for name, p in wls.items():
+        assert abs(rls[name]["value"] - p["value"]) < 1e-9 * p["sigma"]
+
+
+def test_signals_of_a_filter_are_complete(scara):
+    table = scara[2]["ekf-3-known"]
+    assert len(table) == 2501 and table.index.name == "time"
+    for column in ("q_1", "qd_2", "sigma q_1", "innovation_2", "S_1", "NIS", "theta ZZR1", "sigma Fs2"):
+        assert np.isfinite(table[column]).all()
+
+
+def test_a_failed_stage_still_leaves_a_page(fmus, tmp_path):
+    session = open_session("scara", ["wls.WLS(3).border=[2000, 2000]"])
+    folder, record = run(session, str(tmp_path / "broken"))
+    assert record["verdict"]["status"] == "fail"
+    assert (
+        record["errors"][0]["stage"] == "WLS and RLS"
+        and "leaves none of 2501 samples" in record["errors"][0]["message"]
+    )
+    assert "leaves none of 2501 samples" in (folder / "index.html").read_text()
+
+
+def test_the_seed_alone_decides_the_noise(fmus):
+    frames = [acquire(open_session("scara", [f"seed={seed}"])) for seed in (1, 1, 2)]
+    assert frames[0].equals(frames[1])
+    assert not frames[0]["q_1"].equals(frames[2]["q_1"])
+
+
+def test_without_noise_what_is_measured_is_true(fmus):
+    frame = simulate(open_session("scara"), noisy=False)
+    np.testing.assert_array_equal(frame["q_1"], frame["q_true_1"])
+    np.testing.assert_array_equal(frame["tau_2"], frame["tau_true_2"])
+
+
+def test_an_estimate_is_named_after_its_tuning_where_there_is_a_choice():
+    cases = {c.name: c for c in open_session("emps").experiment.ekf.case}
+    assert names_of(cases["EKF(half)"]) == {"derived": "EKF(half)"}
+    two = [c for c in open_session("scara").experiment.ekf.case if c.name == "EKF(3)"][1]
+    assert names_of(two) == {"known": "EKF(3) known", "derived": "EKF(3) derived"}
+
+
+def test_missing_data_say_where_to_get_them(tmp_path):
+    session = open_session("emps", [f"data.folder={str(tmp_path)!r}"])
+    with pytest.raises(DataError, match=r"DATA_EMPS\.mat: no such data file; get it from the EMPS benchmark.*--data"):
+        acquire(session)
+
+
+def test_a_closed_loop_of_an_unknown_estimate_is_refused(fmus, emps_data):
+    session = open_session("emps", [f"data.folder={str(emps_data)!r}", "closed_loop.estimate='WLS(9)'", "ekf.case=[]"])
+    record, _ = identify(session)
+    assert record["errors"][0]["exit_code"] == ConfigError.exit_code
+    assert "`WLS(9)` is no estimate that succeeded" in record["errors"][0]["message"]
+
+
+def test_the_measured_drive_gives_the_published_result(fmus, emps_data):
+    session = open_session("emps", [f"data.folder={str(emps_data)!r}", "ekf.case=[]"])
+    record, signals = identify(session)
+    published = record["reference"]["tables"][0]["estimates"]["Published"]["parameters"]
+    for name, p in record["estimates"]["WLS(published)"]["parameters"].items():
+        assert abs(p["value"] / published[name]["value"] - 1) < (0.006 if name == "offset" else 0.003)
+        assert p["sigma"] is None, "the residual is coloured: its sigma must not be shown"
+    own = record["validation"]["own_filters"]
+    assert abs(own["WLS(published)"]["identification"] - 4.13) < 0.03
+    assert abs(own["WLS(published)"]["validation"] - 6.00) < 0.03
+    assert own["WLS(house)"]["validation"] < 4.7
+    loop = record["validation"]["closed_loop"]
+    for name, limits in {"identification": (0.0015, 0.15, 4.8), "validation": (0.002, 0.20, 5.5)}.items():
+        for signal, limit in zip(("position", "velocity", "force"), limits, strict=True):
+            assert loop[name][signal] < limit
+    assert "closed_loop_validation" in signals
