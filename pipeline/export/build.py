@@ -131,11 +131,10 @@ class Contents:
 
 def write_contents(model: Model, name: str) -> Contents:
     """C code and model description of a sorted model."""
-    wrapper = {file.name: file.read_text() for file in sorted(WRAPPER.glob("*.[ch]"))}
-    guid = guid_of(wrapper | generate(model, "") | {"name": name})
-    sources = wrapper | generate(model, guid)
-    compiled = sorted(file for file in sources if file.endswith(".c"))
-    return Contents(sources, describe(model, name, guid, compiled))
+    wrapper = {file.name: file.read_text(encoding="utf-8") for file in sorted(WRAPPER.glob("*.[ch]"))}
+    compiled = sorted(file for file in [*wrapper, "model.c"] if file.endswith(".c"))
+    guid = guid_of(wrapper | generate(model, "") | {"description": describe(model, name, "", compiled)})
+    return Contents(wrapper | generate(model, guid), describe(model, name, guid, compiled))
 
 
 def pack(contents: Contents, path: Path) -> Path:
@@ -154,7 +153,7 @@ def compile_sources(sources: Mapping[str, str], library: str, log: Path) -> byte
     with tempfile.TemporaryDirectory(prefix="fmuid-") as folder:
         paths = [Path(folder) / name for name in sources]
         for path, text in zip(paths, sources.values(), strict=True):
-            path.write_text(text)
+            path.write_text(text, encoding="utf-8")
         log.parent.mkdir(parents=True, exist_ok=True)
         compile_library(paths, Path(folder) / library, log)
         return (Path(folder) / library).read_bytes()

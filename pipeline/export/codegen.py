@@ -106,4 +106,4 @@ def c_kind(variable: Variable) -> str:
 
 def quote(text: str) -> str:
     """A C string literal."""
-    return json.dumps(text)
+    return json.dumps(text, ensure_ascii=False)

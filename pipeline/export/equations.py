@@ -111,6 +111,10 @@ def _translate(source: Source, start_values: dict[str, float]) -> Model:
     )
     mark_tunable(model, parameters.expressions)
     if n:
+        if any(variable.name == INTERNAL_STEP for members in variables.values() for variable in members):
+            raise source.refuse(
+                f"a variable named {INTERNAL_STEP} would hide the parameter of Co-Simulation: rename it"
+            )
         model.variables["parameter"].append(_internal_step())
     return model
 

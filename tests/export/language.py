@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import casadi as ca
+
 from pipeline.export.build import write_fmu
 from pipeline.export.equations import translate
 from pipeline.export.frontend import load
@@ -28,3 +30,25 @@ def archive_of(folder: Path, text: str, model: str = "M", **start_values) -> Arc
 def integers(instance, *names: str) -> list[int]:
     """Values of Integer variables of an instance."""
     return instance.fmu.getInteger([instance.archive.references[name] for name in names])
+
+
+def evaluate(model, states=None, **values):
+    """Derivatives and algebraic variables by name, at start values where nothing else is given."""
+    numbers = {v.name: v.start for kind in ("constant", "parameter", "input") for v in model.variables[kind]} | values
+    for variable, value in zip(model.variables["calculated"], ca.vertsplit(model.calculated), strict=True):
+        numbers[variable.name] = substitute(value, numbers)
+    for kind in ("state", "discrete"):
+        for variable in model.variables[kind]:
+            numbers.setdefault(variable.name, substitute(model.starts[variable.name], numbers))
+    numbers |= {"time": 0.0} | (states or {})
+    names = [v.name for kind in ("derivative", "algebraic") for v in model.variables[kind]]
+    expressions = ca.vertsplit(ca.vertcat(model.derivatives, model.algebraics))
+    solved = {name: substitute(value, numbers) for name, value in zip(names, expressions, strict=True)}
+    return numbers | solved
+
+
+def substitute(value, numbers):
+    symbols = ca.symvar(value)
+    if not symbols:
+        return float(value)
+    return float(ca.substitute(value, ca.vertcat(*symbols), ca.DM([numbers[s.name()] for s in symbols])))

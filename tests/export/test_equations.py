@@ -1,33 +1,9 @@
 """Translated equations evaluated in Python, against NumPy and closed forms; no C compiler involved."""
 
-import casadi as ca
 import numpy as np
 import pytest
 
-from pipeline.errors import ExportError
-from tests.export.language import model_of
-
-
-def evaluate(model, states=None, **values):
-    """Derivatives and algebraic variables by name, at start values where nothing else is given."""
-    numbers = {v.name: v.start for kind in ("constant", "parameter", "input") for v in model.variables[kind]} | values
-    for variable, value in zip(model.variables["calculated"], ca.vertsplit(model.calculated), strict=True):
-        numbers[variable.name] = substitute(value, numbers)
-    for kind in ("state", "discrete"):
-        for variable in model.variables[kind]:
-            numbers.setdefault(variable.name, substitute(model.starts[variable.name], numbers))
-    numbers |= {"time": 0.0} | (states or {})
-    names = [v.name for kind in ("derivative", "algebraic") for v in model.variables[kind]]
-    expressions = ca.vertsplit(ca.vertcat(model.derivatives, model.algebraics))
-    solved = {name: substitute(value, numbers) for name, value in zip(names, expressions, strict=True)}
-    return numbers | solved
-
-
-def substitute(value, numbers):
-    symbols = ca.symvar(value)
-    if not symbols:
-        return float(value)
-    return float(ca.substitute(value, ca.vertcat(*symbols), ca.DM([numbers[s.name()] for s in symbols])))
+from tests.export.language import evaluate, model_of
 
 
 def test_a_matrix_equation_is_solved_for_the_derivatives(tmp_path):
@@ -191,67 +167,3 @@ def test_records_and_connectors_are_their_components(tmp_path):
     values = evaluate(model_of(tmp_path, text), states={"time": 4.0})
     assert (values["r.a"], values["r.b"]) == (1, 4)
     assert values["v"] == pytest.approx(6.0) and values["b.n.i"] == pytest.approx(-2.0)
-
-
-def test_derived_final_and_constant_parameters(tmp_path):
-    text = """
-    model M
-      constant Real g=9.81;
-      parameter Real m=2;
-      parameter Real k=m*g;
-      parameter Real unused=3;
-      final parameter Real twice=2*k;
-      final parameter Real fixed=4;
-      parameter Boolean on=true;
-      parameter Real x_start=k/10;
-      Real x(start=x_start, fixed=true);
-    equation
-      der(x) = if on then -twice*x + fixed else 0;
-    end M;
-    """
-    model = model_of(tmp_path, text)
-    kinds = {v.name: kind for kind, members in model.variables.items() for v in members}
-    assert {name: kinds[name] for name in ("g", "m", "k", "twice", "fixed", "on")} == {
-        "g": "constant", "m": "parameter", "k": "calculated", "twice": "calculated", "fixed": "constant",
-        "on": "constant",
-    }  # fmt: skip
-    assert {v.name for v in model.variables["parameter"] if v.tunable} == {"m", "internalStep"}
-    values = evaluate(model, m=3.0)
-    assert values["der(x)"] == pytest.approx(-2 * 3 * 9.81 * (3 * 9.81 / 10) + 4)
-
-
-def test_start_values_replace_bindings(tmp_path):
-    text = "model M parameter Real a=1; parameter Real b=2*a; Real x(start=b, fixed=true); equation der(x) = b; end M;"
-    assert evaluate(model_of(tmp_path, text, a=4.0))["der(x)"] == 8
-    assert evaluate(model_of(tmp_path, text, b=5.0))["x"] == 5
-    with pytest.raises(ExportError, match="no parameter to set: c; settable: a"):
-        model_of(tmp_path, text, c=1.0)
-
-
-def test_initial_equations_for_states_and_discrete_variables(tmp_path):
-    text = """
-    model M
-      parameter Real a=3;
-      Real x;
-      Real y;
-      discrete Real d;
-    initial equation
-      2*x + y = a;
-      der(y) = 0;
-      pre(d) = a + 1;
-    equation
-      der(x) = -x;
-      der(y) = x - 2*y;
-      when sample(0, 1) then
-        d = pre(d);
-      end when;
-    end M;
-    """
-    values = evaluate(model_of(tmp_path, text), a=5.0)
-    assert (values["x"], values["y"], values["d"]) == pytest.approx((2.0, 1.0, 6.0))
-
-
-def test_a_fixed_start_value_of_no_state_is_an_initial_equation(tmp_path):
-    text = "model M Real x(start=3, fixed=true); Real y; equation y = 2*x; der(y) = -x; end M;"
-    values = evaluate(model_of(tmp_path, text))
-    assert (values["x"], values["y"]) == (3, 6)

@@ -3,14 +3,15 @@
 
 #include <math.h>
 
-/* The modes in which a variable of each kind may be set. States of Model Exchange have a call of their own. */
+/* The modes in which a variable of each kind may be set. For states Model Exchange has a call of its own, but there are
+   importers that use this one. */
 static const int SETTABLE[] = {
     [CONSTANT] = 0,
     [FIXED] = INSTANTIATED | INITIALIZATION,
     [TUNABLE] = INSTANTIATED | INITIALIZATION | EVENT | STEP,
     [CALCULATED] = 0,
-    [STATE] = INSTANTIATED | INITIALIZATION | STEP,
-    [FOLLOWING_STATE] = STEP,
+    [STATE] = INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP,
+    [FOLLOWING_STATE] = EVENT | CONTINUOUS | STEP,
     [DISCRETE] = INSTANTIATED | INITIALIZATION,
     [FOLLOWING_DISCRETE] = 0,
     [INPUT] = INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP,
@@ -22,7 +23,7 @@ static const char *const WHEN[] = {
     [FIXED] = "a fixed parameter, set before or in the initialisation only",
     [TUNABLE] = "a tunable parameter, in Model Exchange set in Event Mode only",
     [CALCULATED] = "computed from other parameters",
-    [STATE] = "a state, in Model Exchange set by SetContinuousStates",
+    [STATE] = "a state of a terminated instance",
     [FOLLOWING_STATE] = "a state whose start value follows from parameters",
     [DISCRETE] = "a discrete variable, set before or in the initialisation only",
     [FOLLOWING_DISCRETE] = "a discrete variable whose start value follows from parameters",
