@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
+from pipeline.export.arrays import flatten
 from pipeline.export.expressions import Expressions, Scope
 from pipeline.export.sorting import Equation, solve
 from pipeline.export.variables import Entry, Variable, number, read_attribute
@@ -36,7 +37,8 @@ def read_starts(
                 loose.append(scalar.symbol)
     for entry in expressions.source.dae["initial_discrete_values"]:
         target = next(e for e in entries if e.i == entry["target"])
-        starts[target.scalars[0].name] = expressions.read(entry["value"], scope)
+        values = flatten(expressions.read(entry["value"], scope))
+        starts |= {scalar.name: value for scalar, value in zip(target.scalars, values, strict=True)}
     starts |= solve_initial(expressions, initial, loose, unknown, solution, starts)
     _check_known(expressions, entries, starts)
     return starts
