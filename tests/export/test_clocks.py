@@ -1,5 +1,6 @@
 """Sample instants through built FMUs: when a controller ticks, and how often."""
 
+import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
@@ -59,6 +60,17 @@ def test_ticks_stand_the_round_off_of_a_running_sum(integrator):
             instance.step(t, 1e-3)
             assert integers(instance, "n") == [k + 1]
             t += 1e-3
+
+
+def test_a_long_period_does_not_tick_early(integrator):
+    with integrator.co_simulation(u=1.0, period=100.0) as instance:
+        for t in np.arange(0.0, 100.5, 0.25):
+            instance.step(t, 0.25)
+            assert integers(instance, "n") == [1 if t < 100.0 else 2]
+        instance.step(100.5, 99.499)
+        for k in range(4):
+            instance.step(199.999 + k * 0.0005, 0.0005)
+            assert integers(instance, "n") == [2 if k < 2 else 3]
 
 
 def test_the_sample_period_can_be_set_before_the_initialisation_and_not_after(integrator):

@@ -5,13 +5,22 @@
 #include <math.h>
 #include <string.h>
 
-/* Communication points are k*dt or a running sum of dt; their round-off is far below this part of a sample period. */
-#define CLOCK_TOLERANCE 1e-4
+/* How far round-off may move a communication point, which is k*dt or a running sum of dt: relative to the time since
+   0 and 1 s, but never more than this part of a sample period. */
+#define TIME_TOLERANCE 1e-8
+#define PERIOD_TOLERANCE 1e-4
 #define MAX_ITERATIONS 100
 
 static double instant(const Memory *m, size_t i) { return m->phases[i] + m->ticks[i] * m->periods[i]; }
 
-static double tolerance(const Memory *m, size_t i) { return CLOCK_TOLERANCE * m->periods[i]; }
+static double tolerance(const Memory *m, size_t i) {
+    return fmin(PERIOD_TOLERANCE * m->periods[i], TIME_TOLERANCE * (1 + fabs(m->time)));
+}
+
+/* The time in periods of a clock, since its phase. */
+static double periods(const Memory *m, size_t i, double offset) {
+    return (m->time + offset - m->phases[i]) / m->periods[i];
+}
 
 static bool due(const Memory *m, size_t i) { return m->time >= instant(m, i) - tolerance(m, i); }
 
@@ -34,15 +43,11 @@ double next_tick(const Instance *c, double *how_exactly) {
 }
 
 /* Set the flags of the clocks that are due and move these on: a second event at the same instant finds none. */
-static bool take_ticks(Memory *m, double *flags) {
-    bool any = false;
+static void take_ticks(Memory *m, double *flags) {
     for (size_t i = 0; i < N_CLOCKS; i++) {
         flags[i] = due(m, i);
-        if (!flags[i]) continue;
-        any = true;
-        m->ticks[i] = floor((m->time - m->phases[i]) / m->periods[i] + CLOCK_TOLERANCE) + 1;
+        if (flags[i]) m->ticks[i] = fmax(m->ticks[i], floor(periods(m, i, tolerance(m, i)))) + 1;
     }
-    return any;
 }
 
 static bool start_clocks(Instance *c) {
@@ -52,7 +57,7 @@ static bool start_clocks(Instance *c) {
     model_clocks(arguments, results, NULL, NULL, 0);
     for (size_t i = 0; i < N_CLOCKS; i++) {
         if (!(m->periods[i] > 0)) return fail(c, "a sample period is %g s: it must be positive", m->periods[i]);
-        m->ticks[i] = fmax(0, ceil((m->time - m->phases[i]) / m->periods[i] - CLOCK_TOLERANCE));
+        m->ticks[i] = fmax(0, ceil(periods(m, i, -tolerance(m, i))));
     }
     return true;
 }
