@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Relative steps where round-off and truncation balance (measured: errors 5e-7 and 3e-9); a purely relative step
-# would vanish with the value, so states count as at least 1 and parameters as at least 1e-3.
+# Relative steps where round-off and truncation balance (measured: errors 5e-7 and 3e-9). A purely relative step would
+# vanish with the value, so a state counts as at least 1, a parameter as at least its scale in the binding.
 EPSILON = {"forward": 1e-7, "central": 1e-5}
-STATE_FLOOR, PARAMETER_FLOOR = 1.0, 1e-3
+STATE_FLOOR = 1.0
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ def linearise(plant, s: np.ndarray, chi: np.ndarray, u: np.ndarray, t: float, dt
     f = plant.transition(s, u, chi, t, dt)
     ns, p = len(s), len(chi)
     point = np.concatenate([s, chi, u])
-    floor = np.concatenate([np.full(ns, STATE_FLOOR), np.full(p, PARAMETER_FLOOR), plant.binding.u_range])
+    floor = np.concatenate([np.full(ns, STATE_FLOOR), plant.binding.scale, plant.binding.u_range])
     step = EPSILON[mode] * np.maximum(np.abs(point), floor)
     J = np.empty((ns, len(point)))
     for i in range(len(point)):

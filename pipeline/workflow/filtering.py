@@ -10,6 +10,7 @@ import pandas as pd
 
 from pipeline.config import EkfCase
 from pipeline.errors import IdentificationError
+from pipeline.identify.discretisation import worst_shift
 from pipeline.identify.ekf import Tuning, run_filter
 from pipeline.identify.tuning import force_noise, position_noise
 from pipeline.plant.plant import open_plant
@@ -19,10 +20,16 @@ from pipeline.signals.frames import joint_columns
 from pipeline.workflow.batch import Batch
 from pipeline.workflow.session import Session
 
+FINER = 10
+"""Times as many sub-steps as the filter's make the integration that its transition is held against."""
+
 
 @dataclass(frozen=True)
 class Filtered:
-    """One run of the filter: its estimate, its signals, the prior chi0 (p,), its tuning and settings."""
+    """One run of the filter: its estimate, its signals, the prior chi0 (p,), its tuning and settings.
+
+    calls: evaluations of the FMU; shift: the worst shift in sigma by the transition's own error, where it is known.
+    """
 
     estimate: Estimate
     run: FilterRun
@@ -30,6 +37,7 @@ class Filtered:
     tuning: str
     settings: dict
     calls: int
+    shift: float | None = None
 
 
 def names_of(case: EkfCase) -> dict[str, str]:
@@ -61,6 +69,7 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
         time = frame.index.to_numpy(dtype=float)
         run = run_filter(plant, time, q, u, z0, P0, noise, ekf.jacobian, ekf.covariance)
         calls, interface = plant.calls, plant.interface
+        shift = None if run.failed_at is not None else transition_shift(session, plant, run, u, noise, substeps)
     estimate = _estimate(name, binding, run, chi0, 2 * binding.n, process_time() - start)
     settings = {
         "transition": "Euler (Eq. 13)" if method == "euler" else f"RK4, {substeps} sub-steps",
@@ -72,7 +81,17 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
         "Q": noise.q.tolist(),
         "process_noise": "on the joint forces" if noise.input_noise else "on the states",
     }
-    return Filtered(estimate, run, chi0, tuning, settings, calls)
+    return Filtered(estimate, run, chi0, tuning, settings, calls, shift)
+
+
+def transition_shift(
+    session: Session, plant, run: FilterRun, u: np.ndarray, noise: Tuning, substeps: int
+) -> float | None:
+    """The worst shift in sigma by the transition's own error; None in Co-Simulation, whose steps are the FMU's own."""
+    if plant.interface == "CS" or np.any(noise.q == 0):
+        return None
+    with open_plant(session.binding, "filter", "ME", "rk4", FINER * substeps) as fine:
+        return worst_shift(plant, fine, run, u, noise)
 
 
 def start_velocity(session: Session, best: Batch) -> np.ndarray:

@@ -76,6 +76,6 @@ def _validated(session: Session, validation: ValidationStage) -> list[Item]:
     for signal in ("position", "force"):
         limit = getattr(limits, f"closed_loop_{signal}_percent")
         if limit is not None and validation.closed_loop:
-            worst = max((run[signal] for run in validation.closed_loop.values()))
+            worst = max(run[signal] for run in validation.closed_loop.values())
             items.append(at_most(f"closed loop, largest {signal} error in %", worst, limit))
     return items

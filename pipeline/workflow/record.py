@@ -9,6 +9,7 @@ import pandas as pd
 
 from pipeline.assess.consistency import Consistency
 from pipeline.assess.residuals import residual_tests
+from pipeline.identify.discretisation import LIMIT
 from pipeline.identify.regression import Excitation
 from pipeline.records import OK
 from pipeline.report.record import slug
@@ -128,7 +129,8 @@ def filter_entries(
         test = tests.get(name)
         more = {"tuning": found.tuning, "settings": found.settings, "fmu_calls": found.calls}
         if test is not None:
-            more["tests"] = test.as_record()
+            transition = {"worst_shift_sigma": found.shift, "limit": LIMIT}
+            more["tests"] = {**test.as_record(), "transition": transition}
         entries[name] = estimate_entry(session, found.estimate, found.chi0, **more)
         signals[slug(name)] = filter_signals(found, session.binding.n)
     return entries, signals
@@ -136,9 +138,15 @@ def filter_entries(
 
 def with_sigma_reason(found: Filtered, test: Consistency | None) -> Filtered:
     """The filter run with the reason why its sigma is withheld, where the test gives one."""
-    if test is None or test.ok or found.estimate.status != OK:
+    if found.estimate.status != OK:
         return found
-    return replace(found, estimate=replace(found.estimate, sigma_reason=test.sentence))
+    reasons = []
+    if found.shift is not None and found.shift > LIMIT:
+        coarse = found.settings["transition"]
+        reasons.append(f"the transition by {coarse} may be off by {found.shift:.1f} sigma (limit {LIMIT:g}): refine it")
+    if test is not None and not test.ok:
+        reasons.append(test.sentence)
+    return replace(found, estimate=replace(found.estimate, sigma_reason="; ".join(reasons)))
 
 
 def frame_signals(session: Session, frame: pd.DataFrame, filtered: pd.DataFrame) -> pd.DataFrame:

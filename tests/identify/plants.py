@@ -11,7 +11,7 @@ class LinearPlant:
     """One joint, s⁺ = A s + B u + E chi exactly: the parameter chi (1,) is a constant load."""
 
     n, h, ns = 1, 0, 2
-    binding = SimpleNamespace(gain=np.ones(1), u_range=np.ones(1))
+    binding = SimpleNamespace(gain=np.ones(1), u_range=np.ones(1), scale=np.ones(1))
 
     def __init__(self, dt=0.01, fails_at=None):
         self.A = np.array([[0.98, 0.0], [dt, 1.0]])

@@ -11,7 +11,7 @@ from pipeline.identify.jacobian import linearise
 class Pendulum:
     """A plant with known derivatives: s⁺ = [qd + dt(chi·sin(q) + u), q + dt·qd]."""
 
-    binding = SimpleNamespace(u_range=np.array([2.0]))
+    binding = SimpleNamespace(u_range=np.array([2.0]), scale=np.array([1.0]))
 
     def transition(self, s, u, chi, t, dt):
         return np.array([s[0] + dt * (chi[0] * np.sin(s[1]) + u[0]), s[1] + dt * s[0]])
