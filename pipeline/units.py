@@ -48,6 +48,12 @@ _FACTOR = re.compile(r"(1|[^\W\d_]+|%|°)(?:\^?([+-]?\d+))?")
 _SPELLING = str.maketrans({"µ": "u", "μ": "u", "Ω": "ohm", "·": ".", "*": ".", "⋅": ".", "²": "2", "³": "3"})
 
 
+def unit_text(unit: str) -> str:
+    """A Modelica unit for reading: `N.m.s/rad` → `N·m·s/rad`, `kg.m2` → `kg·m²`."""
+    unit = unit or ""
+    return re.sub(r"(?<=[a-z])([23])", lambda m: "²³"[int(m[1]) - 2], unit.replace(".", "·"))
+
+
 def conversion(unit: str, wanted: str) -> float:
     """The factor f with value [wanted] = f · value [unit]; ConfigError where a unit is unknown or does not convert."""
     (factor, dimension), (wanted_factor, wanted_dimension) = parse(unit), parse(wanted)

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pipeline.assess import lookup
-from pipeline.assess.wording import figures, listed, times, with_sigma
+from pipeline.assess.wording import figures, listed, signed, times, with_sigma
 
 TRUTH_SIGMAS = 4.0
 AS_GOOD = 1.02
@@ -83,7 +83,7 @@ def published(record: dict) -> Iterator[str]:
                 else {}
             )
             if off:
-                yield f"{name} against the published values: {listed([f'{p} {x:+.2f} %' for p, x in off.items()])}."
+                yield f"{name} against the published values: {listed([f'{p} {signed(x)} %' for p, x in off.items()])}."
 
 
 def essential(record: dict) -> Iterator[str]:
@@ -98,13 +98,15 @@ def essential(record: dict) -> Iterator[str]:
 
 def closeness(record: dict) -> Iterator[str]:
     """Each EKF against the recommended WLS, in the combined sigma of those that are trusted."""
-    best, near = lookup.recommended(record), {}
+    best, near, far = lookup.recommended(record), {}, []
     for name, e in lookup.filters(record).items() if best else []:
         gap = lookup.apart(e, record["estimates"][best])
         if gap is not None and gap.close:
             near[name] = gap
         elif gap is not None:
-            yield f"{name} differs from {best} by {gap} in {gap.parameter}."
+            far.append(f"{name} ({gap} in {gap.parameter})")
+    if far:
+        yield f"Apart from {best}: {listed(far)}."
     if near:
         farthest = max(near.values(), key=lambda gap: gap.distance)
         verb = "agrees" if len(near) == 1 else "agree"

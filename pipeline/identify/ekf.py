@@ -64,7 +64,7 @@ def run_filter(
                 raise IdentificationError("the estimate or its covariance is not finite")
             done, P = k + 1, form.P if k == samples - 1 else P
     except (FmuError, IdentificationError, np.linalg.LinAlgError) as error:
-        failed_at, reason = done, f"stopped at sample {done} (t = {time[done]:g} s): {error}"
+        failed_at, reason = done, str(error)
     return FilterRun(
         time[:done], x[:done], P_diag[:done], innovation[:done], S_diag[:done], NIS[:done], P, failed_at, reason
     )

@@ -10,8 +10,9 @@ from pipeline.report.motion import TIME
 from pipeline.report.panels import Bars, Level, Panel, line
 from pipeline.report.record import slug
 from pipeline.report.run import FILTER_COLOURS, Run, has, times
-from pipeline.report.text import number, unit_text, with_unit
+from pipeline.report.text import number, with_unit
 from pipeline.signals.correlation import autocorrelation
+from pipeline.units import unit_text
 
 LAGS = 20
 BINS = 31

@@ -7,7 +7,8 @@ from collections.abc import Callable
 
 from pipeline.report.html import Html, tag
 from pipeline.report.run import Run, ok, target, trusted
-from pipeline.report.text import number, plus_minus, unit_text
+from pipeline.report.text import number, plus_minus
+from pipeline.units import unit_text
 
 PLOT, ROW, TOP, FOOT = 140, 18, 8, 26
 

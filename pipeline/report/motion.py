@@ -7,7 +7,8 @@ import numpy as np
 from pipeline.report.panels import POINTS, Line, Panel, line
 from pipeline.report.record import slug
 from pipeline.report.run import Run, has, times, trusted
-from pipeline.report.text import number, unit_text, with_unit
+from pipeline.report.text import number, with_unit
+from pipeline.units import unit_text
 
 TIME = "Time in s"
 

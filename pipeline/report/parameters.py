@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from pipeline.report.html import Html, tag
 from pipeline.report.run import Run, ok
-from pipeline.report.text import DASH, estimate, number, plus_minus, short, sigma_text, unit_text
+from pipeline.report.text import DASH, estimate, number, plus_minus, short, sigma_text
+from pipeline.units import unit_text
 
 OURS = ("value", "σ", "%σ")
 

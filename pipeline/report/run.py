@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.report.text import unit_text
+from pipeline.units import unit_text
 
 PAPER_TUNINGS = (None, "", "paper")
 FEW = 10  # rows below which there is nothing to draw

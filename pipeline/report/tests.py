@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pipeline.report.html import Html, tag
 from pipeline.report.parameters import table
 from pipeline.report.run import Run, ok, trusted
-from pipeline.report.text import DASH, number, unit_text
+from pipeline.report.text import DASH, number
+from pipeline.units import unit_text
 
 
 def filter_tests(run: Run) -> Html | None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
+
+from pipeline.units import unit_text
 
 DASH = "–"
 
@@ -42,12 +43,6 @@ def sigma_text(sigma: float | None) -> str:
 def plus_minus(value: float | None, sigma: float | None, resolution: float | None = None) -> str:
     """`3.4193 ± 0.0084`; where sigma is not known the value alone, with the digits of `resolution` if given."""
     return estimate(value, resolution) if not sigma else f"{estimate(value, sigma)} ± {sigma_text(sigma)}"
-
-
-def unit_text(unit: str) -> str:
-    """A Modelica unit for reading: `N.m.s/rad` → `N·m·s/rad`, `kg.m2` → `kg·m²`."""
-    unit = unit or ""
-    return re.sub(r"(?<=[a-z])([23])", lambda m: "²³"[int(m[1]) - 2], unit.replace(".", "·"))
 
 
 def with_unit(label: str, unit: str) -> str:

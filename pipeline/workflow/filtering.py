@@ -13,6 +13,7 @@ from pipeline.errors import IdentificationError
 from pipeline.identify.discretisation import worst_shift
 from pipeline.identify.ekf import Tuning, run_filter
 from pipeline.identify.tuning import force_noise, position_noise
+from pipeline.plant.binding import Binding
 from pipeline.plant.plant import open_plant
 from pipeline.records import FAILED, OK, Estimate, FilterRun
 from pipeline.signals.filters import cutoff_frequency
@@ -64,13 +65,12 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
     u = frame[joint_columns("u", binding.n)].to_numpy()
     chi0, P0 = prior(session, case, best.estimate)
     z0 = np.concatenate([start_velocity(session, best), q[0], chi0])
-    start = process_time()
+    time, start = frame.index.to_numpy(dtype=float), process_time()
     with open_plant(binding, "filter", ekf.interface, method, substeps) as plant:
-        time = frame.index.to_numpy(dtype=float)
         run = run_filter(plant, time, q, u, z0, P0, noise, ekf.jacobian, ekf.covariance)
         calls, interface = plant.calls, plant.interface
         shift = None if run.failed_at is not None else transition_shift(session, plant, run, u, noise, substeps)
-    estimate = _estimate(name, binding, run, chi0, 2 * binding.n, process_time() - start)
+    estimate = _estimate(name, binding, run, time, chi0, process_time() - start)
     settings = {
         "transition": "Euler (Eq. 13)" if method == "euler" else f"RK4, {substeps} sub-steps",
         "interface": interface,
@@ -132,8 +132,10 @@ def noise_levels(session: Session, frame: pd.DataFrame, sigma_rho: np.ndarray, c
     return Tuning(sigma_q**2, sigma_tau**2, input_noise=True)
 
 
-def _estimate(name: str, binding, run: FilterRun, chi0: np.ndarray, ns: int, elapsed: float) -> Estimate:
-    failed = run.failed_at is not None
+def _estimate(
+    name: str, binding: Binding, run: FilterRun, time: np.ndarray, chi0: np.ndarray, elapsed: float
+) -> Estimate:
+    failed, ns = run.failed_at is not None, run.x.shape[1] - len(chi0)
     theta = run.x[-1, ns:] if len(run.x) else chi0
     return Estimate(
         name,
@@ -143,7 +145,7 @@ def _estimate(name: str, binding, run: FilterRun, chi0: np.ndarray, ns: int, ela
         theta,
         None if failed else run.P[ns:, ns:],
         FAILED if failed else OK,
-        f"{run.reason}; the parameters then: {_listed(binding.names, theta)}" if failed else "",
+        _why(run, time, binding.names, theta) if failed else "",
         elapsed=elapsed,
         history_time=run.time,
         history=run.x[:, ns:],
@@ -151,8 +153,8 @@ def _estimate(name: str, binding, run: FilterRun, chi0: np.ndarray, ns: int, ela
     )
 
 
-def _listed(names: tuple[str, ...], theta: np.ndarray) -> str:
-    """`all 0`, or every parameter with its value: what the plant could not live with."""
-    if not theta.any():
-        return "all 0, so that the plant has no mass"
-    return ", ".join(f"{name} {value:.3g}" for name, value in zip(names, theta, strict=True))
+def _why(run: FilterRun, time: np.ndarray, names: tuple[str, ...], theta: np.ndarray) -> str:
+    """Where the run stopped, with which parameters, and the plant's or the filter's own reason."""
+    values = ", ".join(f"{name} {value:.3g}" for name, value in zip(names, theta, strict=True))
+    state = f"with {values}" if theta.any() else "with all parameters 0, so that the plant has no mass"
+    return f"stopped at sample {run.failed_at} (t = {time[run.failed_at]:g} s) {state}: {run.reason}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from unittest.mock import patch
 
 import numpy as np
@@ -26,19 +27,17 @@ NAMES = ("ZZR1", "Fv1", "Fs1", "ZZ2", "LMX2", "LMY2", "Fv2", "Fs2")
 ESSENTIAL = {"ZZR1", "Fs1", "ZZ2", "LMX2", "Fv2", "Fs2"}
 
 
-def measure(seeds=SEEDS) -> list[Figure]:
-    """Every figure of the SCARA."""
+def measure(seeds=SEEDS) -> Iterator[Figure]:
+    """Every figure of the SCARA, as it is measured."""
     session = open_session("scara")
-    return [
-        *excitation_figures(session),
-        closed_loop_figure(session),
-        *wls_figures("disturbed", seeds),
-        *wls_figures("clean", seeds),
-        *ekf_figures(seeds),
-        noise_free_figure(),
-        *covariance_figures(),
-        *paper_figures(),
-    ]
+    yield from excitation_figures(session)
+    yield closed_loop_figure(session)
+    yield from wls_figures("disturbed", seeds)
+    yield from wls_figures("clean", seeds)
+    yield from ekf_figures(seeds)
+    yield noise_free_figure()
+    yield from covariance_figures()
+    yield from paper_figures()
 
 
 def session_of(seed: int = 1, *overrides: str) -> Session:

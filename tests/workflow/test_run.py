@@ -30,7 +30,8 @@ def test_the_record_holds_what_the_schema_promises(scara):
     assert (folder / "index.html").stat().st_size > 1e5
     assert list(stored["estimates"]) == [
         "WLS(1)", "WLS(2)", "WLS(3)", "RLS",
-        "EKF(1)", "EKF(1) known", "EKF(1) derived", "EKF(2)", "EKF(3)", "EKF(3) known", "EKF(3) derived", "EKF(3) Euler",
+        "EKF(1)", "EKF(1) known", "EKF(1) derived", "EKF(2)",
+        "EKF(3)", "EKF(3) known", "EKF(3) derived", "EKF(3) Euler",
     ]  # fmt: skip
     for estimate in stored["estimates"].values():
         assert set(estimate["parameters"]) == {"ZZR1", "Fv1", "Fs1", "ZZ2", "LMX2", "LMY2", "Fv2", "Fs2"}
