@@ -196,7 +196,8 @@ def prediction(record: dict) -> Iterator[str]:
         return
     order = sorted(totals, key=totals.get)
     floor = ((record.get("validation") or {}).get("noise_floor") or {}).get("total")
-    beside = f" (noise alone: {figures(floor)} %)" if floor is not None else ""
+    guessed = ", a guess" if (record.get("experiment") or {}).get("kind") == "measured" else ""
+    beside = f" (noise alone: {figures(floor)} %{guessed})" if floor is not None else ""
     worst = f"; {order[-1]} is worst with {figures(totals[order[-1]])} %" if len(order) > 1 else ""
     yield f"On the validation run {order[0]} predicts the force best, to {figures(totals[order[0]])} %{beside}{worst}."
 

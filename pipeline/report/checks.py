@@ -84,7 +84,7 @@ def _error_words(run: Run, joint: int, names: list[str]) -> str:
     name, key = _shown(run, names), f"tau_{joint}"
     error = ((validation.get("validation") or {}).get(name) or {}).get(key)
     floor = (validation.get("noise_floor") or {}).get(key)
-    floors = f"; the noise floor is {number(floor, 3)} %" if floor is not None else ""
+    floors = f"; the {run.floor_name} is {number(floor, 3)} %" if floor is not None else ""
     return f"Relative error of {name}: {number(error, 3)} %{floors}."
 
 

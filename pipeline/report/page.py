@@ -11,7 +11,7 @@ from pathlib import Path
 
 from bokeh.resources import Resources
 
-from pipeline.report import checks, convergence, motion, parameters, provenance, summary, tests
+from pipeline.report import checks, convergence, diagnostics, motion, parameters, provenance, summary
 from pipeline.report.html import Html, join, script_data, tag
 from pipeline.report.intervals import interval_plots
 from pipeline.report.panels import Panel, Store
@@ -123,7 +123,7 @@ def _sections(run: Run, store: Store) -> Iterable[Section | None]:
     yield _section(
         "residuals",
         "Residuals of the least squares",
-        tests.residual_tests(run),
+        diagnostics.residual_tests(run),
         grid(checks.residual_panels(run, best), "panels three") if best in batch else None,
         [folded(f"Residuals of {n}", checks.residual_panels(run, n), "panels three") for n in batch if n != best],
     )
@@ -131,7 +131,7 @@ def _sections(run: Run, store: Store) -> Iterable[Section | None]:
     yield _section(
         "innovations",
         "Innovations of the filters",
-        tests.filter_tests(run),
+        diagnostics.filter_tests(run),
         [
             folded(f"Innovations of {n}", checks.innovation_panels(run, n), opened=n == sound)
             for n in run.by_method("EKF")

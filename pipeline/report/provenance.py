@@ -59,7 +59,7 @@ def validation(run: Run) -> Html | None:
     ]
     if floor:
         rows.append(
-            _row("noise floor", [_percent(floor.get(s)) if k == "validation" else DASH for k in runs for s in signals])
+            _row(run.floor_name, [_percent(floor.get(s)) if k == "validation" else DASH for k in runs for s in signals])
         )
     caption = (
         "100 ‖y − ŷ‖ / ‖y‖. Good: on the validation run close to the noise floor, and not much larger than on the"

@@ -61,6 +61,11 @@ class Run:
         return ((best.get("parameters") or {}).get(parameter) or {}).get("sigma")
 
     @property
+    def floor_name(self) -> str:
+        """What the noise floor is: known from the truth, or guessed from the data's quietest band."""
+        return "noise floor" if self.record["experiment"].get("kind") == "simulated" else "noise floor (a guess)"
+
+    @property
     def position_unit(self) -> str:
         return self.record["experiment"].get("position_unit", "")
 

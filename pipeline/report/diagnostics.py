@@ -50,10 +50,11 @@ def residual_tests(run: Run) -> Html | None:
     rows = [_residual_row(run, n, t) for n, tests in tested.items() for t in tests or []]
     if not rows:
         return None
-    labels = ("Estimate", "Joint", f"RMS in {unit_text(run.force_unit)}", "noise floor", "kurtosis", "lag 1", "outside")
-    head = [tag("th", h, scope="col") for h in (*labels, "whiteness")]
+    rms = f"RMS in {unit_text(run.force_unit)}"
+    labels = ("Estimate", "Joint", rms, "noise floor", "excess kurtosis", "lag 1", "outside", "whiteness")
+    head = [tag("th", h, scope="col") for h in labels]
     caption = (
-        "Good: RMS at the noise floor, kurtosis near 3, white. Bad: RMS well above the floor (the model misses"
+        "Good: RMS at the noise floor, excess kurtosis near 0, white. Bad: RMS well above the floor (the model misses"
         " something), or coloured residuals: their σ would claim too much."
     )
     return table("Residuals of the least squares", [head], rows, caption)
