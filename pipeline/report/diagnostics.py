@@ -20,11 +20,12 @@ def filter_tests(run: Run) -> Html | None:
     head = [tag("th", h, scope="col") for h in ("Filter", "Tuning", "mean NIS", "band", "NIS")]
     for j in joints:
         head += [tag("th", h, scope="col") for h in (f"{run.joint_name(j)}: lag 1", "outside", "whiteness")]
-    head.append(tag("th", "σ", scope="col"))
+    head += [tag("th", h, scope="col") for h in ("worst shift by its step", "σ")]
     rows = [tag("tr", _filter_row(run, n, t, joints)) for n, t in tested.items()]
     caption = (
-        "Good: mean NIS inside its band and innovations white, then σ may be believed."
-        " NIS alone is not enough: a filter biased by its time step can pass it and fails whiteness."
+        "Good: mean NIS inside its band, innovations white, and a worst shift below one σ; then σ may be believed."
+        " NIS alone is not enough: a filter biased by its time step can pass it. The worst shift is how far the error"
+        " of the transition, held against a finer one, could move an estimate if all of it added up."
     )
     return table("Consistency of the filters", [head], rows, caption)
 
@@ -40,6 +41,8 @@ def _filter_row(run: Run, name: str, tests: dict, joints: Sequence[int]) -> list
         outside = w.get("outside_percent")
         cells += [_cell(number(w.get("lag1"), 2)), _cell(DASH if outside is None else f"{number(outside, 2)} %")]
         cells.append(mark(w.get("ok")))
+    shift = (tests.get("transition") or {}).get("worst_shift_sigma")
+    cells.append(_cell(DASH if shift is None else f"{number(shift, 2)} σ"))
     cells.append(tag("td", "shown" if trusted(e) else ("failed" if not ok(e) else "withheld"), class_="text"))
     return cells
 

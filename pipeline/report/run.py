@@ -122,6 +122,7 @@ class Run:
 
 
 def ok(estimate: dict) -> bool:
+    """Whether the estimator succeeded: only then are there numbers to show."""
     return estimate.get("status") == "ok"
 
 
@@ -144,4 +145,5 @@ def times(table: pd.DataFrame) -> np.ndarray:
 
 
 def has(table: pd.DataFrame | None, *columns: str) -> bool:
+    """Whether there is a table that holds all of the columns."""
     return table is not None and all(column in table for column in columns)

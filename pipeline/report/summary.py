@@ -23,6 +23,7 @@ def status(run: Run) -> str:
 
 
 def icon(name: str) -> Html:
+    """The verdict's sign as inline SVG: "pass", "warn" or "fail"."""
     return tag("svg", tag("path", d=ICONS[name]), viewBox="0 0 24 24", class_="icon", aria_hidden="true")
 
 
