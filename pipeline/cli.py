@@ -134,11 +134,13 @@ def _write_csv(frame, output: str | None) -> None:
 
 def _identify(arguments: argparse.Namespace) -> int:
     from pipeline.report.console import estimates_text
+    from pipeline.report.record import plain
     from pipeline.workflow.run import identify
 
-    record = identify(_session(arguments))
+    record, _ = identify(_session(arguments))
+    record = plain(record)
     print(json.dumps(record["estimates"]) if arguments.json else estimates_text(record))
-    return 0
+    return exit_code(record)
 
 
 def _run(arguments: argparse.Namespace) -> int:

@@ -57,3 +57,39 @@ def test_simulate_gives_json_and_csv(fmus):
     assert table[0].startswith("time,q_1,") and len(table) == len(frame["time"]) + 1
     other = fmuid("simulate", "scara", "--seed", "2").stdout.splitlines()
     assert other != table
+
+
+QUICK = ["--set", "ekf.case=[]"]
+
+
+def test_identify_prints_every_estimate_or_json(fmus):
+    text = fmuid("identify", "scara", *QUICK)
+    assert text.returncode == 0 and "WLS(3)\n  ZZR1" in text.stdout and "sigma withheld" in text.stdout
+    estimates = json.loads(fmuid("identify", "scara", "--json", *QUICK).stdout)
+    assert list(estimates) == ["WLS(1)", "WLS(2)", "WLS(3)", "RLS"]
+    assert abs(estimates["WLS(3)"]["parameters"]["ZZR1"]["value"] - 3.42) < 0.05
+
+
+def test_run_prints_the_verdict_and_the_page_and_report_makes_it_again(fmus, tmp_path):
+    folder = tmp_path / "run"
+    result = fmuid("run", "scara", "--output", str(folder), *QUICK)
+    assert result.returncode == 0 and result.stdout.startswith("PASS")
+    page = folder / "index.html"
+    assert result.stdout.splitlines()[-1] == str(page)
+    first = page.read_bytes()
+    page.unlink()
+    again = fmuid("report", str(folder), "--json")
+    assert json.loads(again.stdout) == {"report": str(page)}
+    assert page.read_bytes() == first
+
+
+def test_a_violated_limit_is_exit_code_1(fmus, tmp_path):
+    limit = ["--set", "limits.above_noise_floor_percent=0.0", "--set", "limits.truth_sigmas=0.01"]
+    result = fmuid("run", "scara", "--output", str(tmp_path / "run"), *QUICK, *limit)
+    assert result.returncode == 1 and result.stdout.startswith("FAIL")
+
+
+def test_a_failed_stage_has_its_own_exit_code_and_still_a_page(fmus, tmp_path):
+    result = fmuid("run", "scara", "--output", str(tmp_path / "run"), *QUICK, "--set", "wls.WLS(3).border=[2000, 2000]")
+    assert result.returncode == 2 and "leaves none of 2501 samples" in result.stdout
+    assert (tmp_path / "run" / "index.html").is_file()

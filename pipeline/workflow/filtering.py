@@ -60,19 +60,20 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
     """Run one case with one tuning ("paper", "known" or "derived")."""
     ekf, binding = session.experiment.ekf, session.binding
     method, substeps = case.method or ekf.method, case.substeps or ekf.substeps
+    interface = "ME" if method == "euler" else ekf.interface  # Euler's step needs derivatives
     noise = noise_levels(session, frame, best.regression.sigma_rho, case, tuning)
     q = frame[joint_columns("q", binding.n)].to_numpy()
     u = frame[joint_columns("u", binding.n)].to_numpy()
     chi0, P0 = prior(session, case, best.estimate)
     z0 = np.concatenate([start_velocity(session, best), q[0], chi0])
     time, start = frame.index.to_numpy(dtype=float), process_time()
-    with open_plant(binding, "filter", ekf.interface, method, substeps) as plant:
+    with open_plant(binding, "filter", interface, method, substeps) as plant:
         run = run_filter(plant, time, q, u, z0, P0, noise, ekf.jacobian, ekf.covariance)
-        calls, interface = plant.calls, plant.interface
+        calls = plant.calls
         shift = None if run.failed_at is not None else transition_shift(session, plant, run, u, noise, substeps)
     estimate = _estimate(name, binding, run, time, chi0, process_time() - start)
     settings = {
-        "transition": "Euler (Eq. 13)" if method == "euler" else f"RK4, {substeps} sub-steps",
+        "transition": transition_text(interface, method, substeps),
         "interface": interface,
         "jacobian": ekf.jacobian,
         "covariance": ekf.covariance,
@@ -82,6 +83,15 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
         "process_noise": "on the joint forces" if noise.input_noise else "on the states",
     }
     return Filtered(estimate, run, chi0, tuning, settings, calls, shift)
+
+
+def transition_text(interface: str, method: str, substeps: int) -> str:
+    """How a transition is computed, in words."""
+    if interface == "CS":
+        return "Co-Simulation, the FMU's own steps"
+    if method == "euler":
+        return "Euler (Eq. 13)"
+    return f"RK4, {substeps} sub-step{'' if substeps == 1 else 's'}"
 
 
 def transition_shift(
