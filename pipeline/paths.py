@@ -4,7 +4,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent
 ROOT = PACKAGE.parent
-MODELICA = ROOT / "modelica"
+MODELICA = ROOT / "modelica" / "RobotIdentification"
 FMUS = ROOT / "fmus"
 REPORTS = ROOT / "reports"
 EXPERIMENTS = PACKAGE / "experiments"

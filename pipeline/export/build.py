@@ -8,21 +8,23 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
 
+from pipeline import __version__
 from pipeline.errors import ExportError
 from pipeline.export.archive import write_archive
 from pipeline.export.codegen import generate, identifier
-from pipeline.export.compiler import compile_library, find_compiler, platform
+from pipeline.export.compiler import compile_library, describe_compiler, find_compiler, platform
 from pipeline.export.equations import Model, translate
 from pipeline.export.frontend import load
 from pipeline.export.model_description import describe
+from pipeline.paths import MODELICA
 
 HERE = Path(__file__).resolve().parent
 WRAPPER = HERE / "wrapper"
-PACKAGE = HERE.parent.parent / "modelica" / "RobotIdentification"
+EXPORTER = [*sorted(HERE.glob("*.py")), HERE.parent / "units.py", *sorted(WRAPPER.glob("*.[ch]"))]
 RECORD = ".build.json"
 ONE_AT_A_TIME = Lock()  # CasADi's expressions count their references without locks; the compilers run side by side
 
@@ -35,14 +37,6 @@ class Built:
     path: Path
     seconds: float
     skipped: bool
-
-
-@dataclass(frozen=True)
-class Starts:
-    """Start values of parameters: given ones, which the model must have, and inherited ones, which it may have."""
-
-    given: dict[str, float] = field(default_factory=dict)
-    inherited: dict[str, float] = field(default_factory=dict)
 
 
 def exported(modelica: Path) -> dict[str, str]:
@@ -60,13 +54,13 @@ def build(
     start_values: Mapping[str, Mapping[str, float]] | None = None,
     fmi: str = "2",
     force: bool = False,
-    modelica: Path = PACKAGE,
+    modelica: Path = MODELICA,
     report: Callable[[str], None] = lambda line: None,
 ) -> list[Built]:
     """Build the FMUs `names` (None: all) into `out`; those whose inputs have not changed are left alone.
 
-    start_values: {FMU name: {parameter: value}} replace bindings of the Modelica text, also in the FMUs whose name goes
-    on with `_` (`emps` → `emps_closed_loop`) where these have the parameter. Raises ExportError.
+    start_values: {FMU name: {parameter: value}} replace bindings of the Modelica text; the FMU must have the parameter.
+    Raises ExportError.
     """
     if fmi != "2":
         raise ExportError(f"FMI version {fmi}: only FMI 2 can be built")
@@ -75,9 +69,10 @@ def build(
     if unknown:
         raise ExportError(f"no FMU {', '.join(unknown)}: there are {', '.join(classes)}")
     record = read_record(out / RECORD)
-    starts = {name: starts_of(name, start_values or {}) for name in names or classes}
+    starts = {name: dict((start_values or {}).get(name, {})) for name in names or classes}
+    compiler = describe_compiler()
     inputs = {name: fingerprint(modelica, starts[name]) for name in starts}
-    todo = [name for name in inputs if force or not up_to_date(out, name, inputs[name], record)]
+    todo = [name for name in inputs if force or not up_to_date(out, name, inputs[name], compiler, record)]
     if todo:
         find_compiler()
 
@@ -90,29 +85,17 @@ def build(
         made = {}
         for built in pool.map(make, todo):
             made[built.name] = built
-            record[built.name] = {"inputs": inputs[built.name], "sha256": digest(built.path)}
+            known = {"inputs": inputs[built.name], "compiler": compiler, "sha256": digest(built.path)}
+            record[built.name] = known
             write_record(out / RECORD, record)
             report(f"built {built.path.name} in {built.seconds:.1f} s")
     return [made.get(name) or Built(name, out / f"{name}.fmu", 0.0, True) for name in inputs]
 
 
-def starts_of(name: str, start_values: Mapping[str, Mapping[str, float]]) -> Starts:
-    """The start values given for an FMU, and those inherited from one whose name its own begins with."""
-    inherited: dict[str, float] = {}
-    for other, values in start_values.items():
-        if name.startswith(f"{other}_"):
-            inherited |= values
-    return Starts(dict(start_values.get(name, {})), inherited)
-
-
-def export(modelica: Path, model: str, path: Path, starts: Starts | None = None) -> Path:
+def export(modelica: Path, model: str, path: Path, starts: Mapping[str, float]) -> Path:
     """Export one class as an FMU (FMI 2.0, Model Exchange and Co-Simulation), named after the file."""
-    starts = starts or Starts()
     with ONE_AT_A_TIME:
-        source = load(modelica, model)
-        own = {variable["name"] for variable in source.dae["variables"]}
-        inherited = {name: value for name, value in starts.inherited.items() if name in own}
-        contents = write_contents(translate(source, inherited | starts.given), path.stem)
+        contents = write_contents(translate(load(modelica, model), dict(starts)), path.stem)
     return pack(contents, path)
 
 
@@ -165,22 +148,28 @@ def guid_of(parts: Mapping[str, str]) -> str:
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 
-def fingerprint(modelica: Path, starts: Starts) -> str:
-    """A hash of all that an FMU is made from: Modelica and exporter sources, start values, tool versions, compiler."""
+def fingerprint(modelica: Path, starts: Mapping[str, float]) -> str:
+    """A hash of what an FMU is made from, but for the compiler: sources of model and exporter, start values, versions."""
     from importlib.metadata import version
 
     h = hashlib.sha256()
-    for file in [*sorted(modelica.rglob("*.mo")), *sorted(HERE.rglob("*.py")), *sorted(WRAPPER.iterdir())]:
-        h.update(str(file.relative_to(HERE.parent.parent) if file.is_relative_to(HERE) else file.name).encode())
-        h.update(file.read_bytes())
+    for root, files in ((modelica, sorted(modelica.rglob("*.mo"))), (HERE.parent, EXPORTER)):
+        for file in files:
+            h.update(file.relative_to(root).as_posix().encode())
+            h.update(file.read_bytes())
     tools = {tool: version(tool) for tool in ("rumoca", "casadi", "fmpy")}
-    h.update(json.dumps([asdict(starts), tools, platform()], sort_keys=True).encode())
+    h.update(json.dumps([starts, tools, __version__, platform()], sort_keys=True).encode())
     return h.hexdigest()
 
 
-def up_to_date(out: Path, name: str, inputs: str, record: Mapping[str, dict]) -> bool:
-    """The FMU is there, made from these inputs, and nobody has changed it since."""
+def up_to_date(out: Path, name: str, inputs: str, compiler: str | None, record: Mapping[str, dict]) -> bool:
+    """The FMU is there, made from these inputs, and nobody has changed it since.
+
+    It was made by this compiler, too; a machine without one (None) takes the FMU as it is.
+    """
     path, known = out / f"{name}.fmu", record.get(name, {})
+    if compiler is not None and known.get("compiler") != compiler:
+        return False
     return known.get("inputs") == inputs and path.is_file() and known.get("sha256") == digest(path)
 
 

@@ -26,6 +26,22 @@ def find_compiler() -> list[str]:
     raise ExportError(f"no C compiler: {tried}; install one (Debian: apt install gcc) or name it in CC")
 
 
+def describe_compiler() -> str | None:
+    """The compiler's command and the first line of its `--version`, for example `gcc -O0: gcc (Debian …) 12.2.0`.
+
+    None where there is no compiler.
+    """
+    try:
+        command = find_compiler()
+    except ExportError:
+        return None
+    try:
+        said = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False).stdout
+    except OSError:
+        said = ""
+    return f"{shlex.join(command)}: {said.partition(chr(10))[0]}"
+
+
 def headers() -> Path:
     """The folder of the FMI headers, which come with fmpy (found without importing it)."""
     spec = find_spec("fmpy")

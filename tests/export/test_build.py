@@ -1,6 +1,7 @@
 """Building: names, skipping, determinism, the compiler's absence and failure, the archive."""
 
 import os
+import re
 import shutil
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -12,8 +13,9 @@ import pytest
 from pipeline.errors import ExportError
 from pipeline.export import compiler
 from pipeline.export.archive import write_archive
-from pipeline.export.build import Built, build, digest, exported
+from pipeline.export.build import EXPORTER, Built, build, digest, exported
 from pipeline.export.codegen import identifier
+from pipeline.paths import PACKAGE
 
 PLANT = """within Small.FMUs;
 model Plant
@@ -82,6 +84,36 @@ def test_what_is_up_to_date_is_skipped_and_what_changed_is_not(package, tmp_path
     assert skipped() == [False]
 
 
+def test_another_compiler_builds_again_and_without_one_what_is_there_serves(package, tmp_path, monkeypatch):
+    def skipped():
+        return build(["plant"], tmp_path / "out", modelica=package)[0].skipped
+
+    compilers = tmp_path / "bin"
+    compilers.mkdir()
+    monkeypatch.setenv("CC", shutil.which("cc"))
+    assert [skipped(), skipped()] == [False, True]
+    monkeypatch.setenv("CC", f"{shutil.which('cc')} -O0")
+    assert [skipped(), skipped()] == [False, True]
+    for version in ("1", "2"):
+        text = f'#!/bin/sh\n[ "$1" = --version ] && echo mine {version} || exec {shutil.which("cc")} "$@"\n'
+        (compilers / "mine").write_text(text)
+        (compilers / "mine").chmod(0o755)
+        monkeypatch.setenv("CC", str(compilers / "mine"))
+        assert [skipped(), skipped()] == [False, True]
+    monkeypatch.delenv("CC")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert skipped()
+
+
+def test_the_fingerprint_covers_every_module_the_exporter_imports():
+    covered = {*EXPORTER, PACKAGE / "errors.py", PACKAGE / "paths.py"}  # these two leave no trace in an FMU
+    for module in EXPORTER:
+        if module.suffix == ".py":
+            imports = re.findall(r"^ *from pipeline(?:\.(\S+))? import (\w+)", module.read_text(), re.MULTILINE)
+            names = {room or name for room, name in imports} - {"__version__"}
+            assert {PACKAGE.joinpath(*name.split(".")).with_suffix(".py") for name in names} <= covered, module.name
+
+
 def test_the_same_sources_give_the_same_bytes(package, tmp_path):
     first, second = (build(["plant"], tmp_path / name, modelica=package)[0].path for name in ("a", "b"))
     assert digest(first) == digest(second)
@@ -94,10 +126,10 @@ def test_other_sources_give_another_guid(package, tmp_path):
     assert guids[0] != guids[1]
 
 
-def test_start_values_reach_the_fmu_and_those_named_after_it(package, tmp_path):
+def test_start_values_reach_the_fmu_they_are_given_for_and_no_other(package, tmp_path):
     build(None, tmp_path, {"plant": {"m": 5.0}}, modelica=package)
     assert start_of(tmp_path / "plant.fmu", "m") == "5.0"
-    assert start_of(tmp_path / "plant_loop.fmu", "m") == "5.0"
+    assert float(start_of(tmp_path / "plant_loop.fmu", "m")) == 3.0
 
 
 def test_a_start_value_of_nothing_is_refused(package, tmp_path):

@@ -4,9 +4,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.paths import MODELICA
+from pipeline.paths import MODELICA as PACKAGE
 
-PACKAGE = MODELICA / "RobotIdentification"
 FILES = sorted(PACKAGE.rglob("*.mo"))
 CLASS = re.compile(r"^(?:partial )?(package|model|block|connector) (\w+) (?:= .*)?\"", re.MULTILINE)
 DECLARATION = re.compile(
