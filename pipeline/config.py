@@ -1,4 +1,4 @@
-"""An experiment's TOML file as typed settings. An unknown key is refused, with the nearest known one."""
+"""An experiment's TOML file, overridden and checked, as typed settings; mistakes are refused in one line."""
 
 from __future__ import annotations
 
@@ -8,186 +8,27 @@ import tomllib
 from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import msgspec
 
 from pipeline.errors import ConfigError
 from pipeline.paths import EXPERIMENTS
+from pipeline.settings import Experiment, Settings
 
-Positive = Annotated[float, msgspec.Meta(gt=0)]
-NotNegative = Annotated[float, msgspec.Meta(ge=0)]
-Count = Annotated[int, msgspec.Meta(ge=1)]
-
-
-class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Base of every group of settings: frozen, and strict about its keys."""
-
-
-class Filter(Settings):
-    """A low-pass filter: Butterworth with `cutoff` [Hz] and `order`, or the usual decimation filter.
-
-    "zero-phase" runs forward and backward, "forward" only forward (it lags), "none" passes the signal through;
-    "decimate" is the 8th-order Chebyshev type I filter (0.05 dB, 0.8·Nyquist/decimation), forward and backward.
-    """
-
-    kind: Literal["zero-phase", "forward", "none", "decimate"]
-    cutoff: NotNegative = 0.0
-    order: Count = 4
+RESERVED_STEMS = (
+    "identification",
+    "validation",
+    "closed_loop_identification",
+    "closed_loop_validation",
+    "index",
+    "result",
+)
 
 
-class WlsSettings(Settings):
-    """How one WLS variant filters: the position, then y and every column of W in parallel, then 1 of `decimation`.
-
-    border: samples cut at the (beginning, end), counted at the original rate; half_sample: align the torque held
-    over a sample with the position measured at its end.
-    """
-
-    name: str
-    position: Filter
-    parallel: Filter
-    decimation: Count = 1
-    border: tuple[int, int] = (0, 0)
-    half_sample: bool = True
-
-
-class ControllerSettings(Settings):
-    """The controller FMU and its ports, one per joint: references, measured positions, commands, extra inputs."""
-
-    fmu: str
-    period: Positive
-    reference: tuple[str, ...]
-    position: tuple[str, ...]
-    output: tuple[str, ...]
-    reference_velocity: tuple[str, ...] = ()
-    extra: tuple[str, ...] = ()
-    start: dict[str, float] = {}
-    position_start: tuple[str, ...] = ()
-    velocity_start: tuple[str, ...] = ()
-
-
-class SimulationSettings(Settings):
-    """Where simulated data come from: the stored trajectories, the true parameters, the noise and the sampling.
-
-    sigma_q [rad or m], sigma_u [the plant input's unit]: one per joint; rate [Hz]; loop: "disturbed" (the noise acts
-    in the loop) or "clean" (it stands in the record only).
-    """
-
-    identification: str
-    validation: str
-    rate: Positive
-    truth: dict[str, float]
-    sigma_q: tuple[NotNegative, ...]
-    sigma_u: tuple[NotNegative, ...]
-    loop: Literal["disturbed", "clean"] = "disturbed"
-
-
-class Column(Settings):
-    """One column of a measured file: its name and unit there; value = scale · (converted) + offset [our unit]."""
-
-    source: str
-    unit: str
-    scale: float = 1.0
-    offset: float = 0.0
-
-
-class DataSettings(Settings):
-    """Measured data: the files, the frame's columns (`time`, `q_1`, `u_1`, `qr_1`, `pulse_1` …) and the rate [Hz].
-
-    validation_columns come on top of `columns` in the validation file; `pulse_i` feeds the controller's extra inputs in
-    a re-simulation; `source` says where to get the files; `folder` is where they are, unless `--data` says otherwise.
-    """
-
-    identification: str
-    validation: str
-    rate: Positive
-    columns: dict[str, Column]
-    validation_columns: dict[str, Column] = {}
-    source: str = ""
-    folder: str = ""
-
-
-class EkfCase(Settings):
-    """One start of the filter and its tunings; a run is called `name`, or `name tuning` where there is a choice.
-
-    chi0 (p,) or wls_factor: the start, as numbers or as a multiple of the recommended WLS estimate. Its spread:
-    P0_parameters (p,), variances; or P0_relative, the standard deviation as a fraction of |chi0|; or P0_sigmas, the
-    same as a multiple of WLS's sigma. R (n,) and Q (2n,): the paper's
-    covariances, needed by the tuning "paper". P0_state, method and substeps override those of `[ekf]`.
-    """
-
-    name: str
-    tunings: tuple[Literal["paper", "known", "derived"], ...]
-    chi0: tuple[float, ...] = ()
-    wls_factor: float | None = None
-    P0_state: tuple[Positive, ...] = ()
-    P0_parameters: tuple[NotNegative, ...] = ()
-    P0_relative: Positive | None = None
-    P0_sigmas: Positive | None = None
-    R: tuple[Positive, ...] = ()
-    Q: tuple[NotNegative, ...] = ()
-    method: Literal["euler", "rk4"] | None = None
-    substeps: Count | None = None
-
-
-class EkfSettings(Settings):
-    """The extended Kalman filter: transition, Jacobian, covariance form and the cases to run.
-
-    P0_state (2n,): variances of [qd, q] at the start; start_at_rest: begin with qd = 0, else with the filtered
-    velocity of the first sample; recommended: the estimate that the verdict judges.
-    """
-
-    P0_state: tuple[Positive, ...]
-    case: tuple[EkfCase, ...]
-    recommended: str = ""
-    start_at_rest: bool = True
-    method: Literal["euler", "rk4"] = "rk4"
-    substeps: Count = 4
-    interface: Literal["ME", "CS"] = "ME"
-    jacobian: Literal["forward", "central"] = "forward"
-    covariance: Literal["udu", "joseph"] = "udu"
-
-
-class ClosedLoopSettings(Settings):
-    """The re-simulation of the identified model in closed loop: which estimate, and the rows cut at both ends."""
-
-    estimate: str
-    border: tuple[int, int] = (0, 0)
-
-
-class LimitSettings(Settings):
-    """Limits of the verdict; one that is absent is not judged."""
-
-    condition_number_W: float | None = None
-    condition_number_Phi: float | None = None
-    relative_sigma_percent: float | None = None
-    truth_sigmas: float | None = None
-    force_error_percent: float | None = None
-    above_noise_floor_percent: float | None = None
-    closed_loop_position_percent: float | None = None
-    closed_loop_force_percent: float | None = None
-
-
-class Experiment(Settings):
-    """A whole experiment: a plant (its binding), where the data come from, the estimators, the limits.
-
-    Measured `data` come before `simulation` where an experiment has both; `recommended` names the WLS variant that
-    everything else builds on; `reference` holds published results and goes into the record as it is.
-    """
-
-    name: str
-    title: str
-    plant: str
-    controller: ControllerSettings
-    wls: tuple[WlsSettings, ...]
-    recommended: str
-    seed: int = 0
-    simulation: SimulationSettings | None = None
-    data: DataSettings | None = None
-    ekf: EkfSettings | None = None
-    closed_loop: ClosedLoopSettings | None = None
-    limits: LimitSettings = LimitSettings()
-    reference: dict[str, Any] = {}
+def slug(name: str) -> str:
+    """File name of an estimate: lower case, runs of other characters become one "-"; "EKF(3) known" → "ekf-3-known"."""
+    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
 
 
 def load_experiment(
@@ -263,9 +104,13 @@ def _child(node: Any, part: str, override: str) -> Any:
     if isinstance(node, dict):
         return node.setdefault(part, {})
     if isinstance(node, list):
-        for i, item in enumerate(node):
-            if part == str(i) or (isinstance(item, dict) and item.get("name") == part):
-                return item
+        named = [item for item in node if isinstance(item, dict) and item.get("name") == part]
+        if len(named) > 1:
+            raise ConfigError(f"--set {override}: {len(named)} are called `{part}`; name one by its index, from 0")
+        if named:
+            return named[0]
+        if part.isdigit() and int(part) < len(node):
+            return node[int(part)]
     raise ConfigError(f"--set {override}: nothing is called `{part}` there")
 
 
@@ -314,6 +159,14 @@ def _field_names(kind: Any, seen: set | None = None) -> set[str]:
 def _check(experiment: Experiment, where: str) -> None:
     """What types alone cannot say; ConfigError."""
     names = [w.name for w in experiment.wls]
+    _check_names(experiment, where)
+    if experiment.controller is None and (experiment.simulation or experiment.closed_loop):
+        raise ConfigError(f"{where}: a simulated loop needs [controller]; add it")
+    for table in experiment.reference.tables:
+        rows = (*table.value, *table.relative_sigma_percent)
+        columns = {len(table.columns), len(table.ours), len(table.value), len(table.relative_sigma_percent)}
+        if len(columns) != 1 or any(len(row) != len(table.parameters) for row in rows):
+            raise ConfigError(f"{where}: table `{table.title}`: give one entry per column and per parameter everywhere")
     if experiment.recommended not in names:
         raise ConfigError(f"{where}: recommended `{experiment.recommended}` is none of the WLS variants {names}")
     if experiment.simulation is None and experiment.data is None:
@@ -327,3 +180,28 @@ def _check(experiment: Experiment, where: str) -> None:
             raise ConfigError(f"{where}: {case.name}: the tuning `paper` needs R and Q")
         if "known" in case.tunings and experiment.data is not None:
             raise ConfigError(f"{where}: {case.name}: the tuning `known` needs simulated data; use `derived`")
+
+
+def estimate_names(experiment: Experiment) -> list[str]:
+    """Names of every estimate the experiment will make, in their order."""
+    filters = experiment.ekf.case if experiment.ekf else ()
+    return [w.name for w in experiment.wls] + ["RLS"] + [case.called(t) for case in filters for t in case.tunings]
+
+
+def _check_names(experiment: Experiment, where: str) -> None:
+    """Every estimate has a name, and a file name, of its own; every name that is referred to exists."""
+    names = estimate_names(experiment)
+    stems = [slug(name) for name in names]
+    for name, stem in zip(names, stems, strict=True):
+        if not stem or stem in RESERVED_STEMS:
+            raise ConfigError(
+                f"{where}: an estimate cannot be called `{name}`; use letters and digits, no reserved word"
+            )
+        if stems.count(stem) > 1:
+            raise ConfigError(f"{where}: two estimates are called `{name}`, or nearly; rename one")
+    wanted = {"ekf.recommended": experiment.ekf.recommended if experiment.ekf and experiment.ekf.case else ""}
+    wanted["closed_loop.estimate"] = experiment.closed_loop.estimate if experiment.closed_loop else ""
+    for key, name in wanted.items():
+        if name and name not in names:
+            near = get_close_matches(name, names, n=1, cutoff=0.0)
+            raise ConfigError(f"{where}: {key} = `{name}` is no estimate of this experiment; nearest: `{near[0]}`")

@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.config import Experiment, apply_override, load_experiment, shipped
+from pipeline.config import apply_override, load_experiment, shipped
 from pipeline.errors import ConfigError
 from pipeline.plant.binding import gains_of_bindings, load_binding
+from pipeline.settings import Experiment
 from pipeline.workflow.session import open_session
 
 
@@ -44,6 +45,14 @@ def test_an_override_reaches_its_place():
         ("simulation.sigma_q=[0.001, -1]", ">= 0"),
         ("ekf.case.EKF(2).chi0=[1.0]", "EKF(2): chi0 has 1 entries, the plant asks for 8"),
         ("plant=nowhere", "no such binding; known ones are emps, scara"),
+        ("ekf.recommended='EKF(9)'", "`EKF(9)` is no estimate of this experiment; nearest: `EKF("),
+        ("wls.WLS(2).name='WLS(1)'", "two estimates are called `WLS(1)`, or nearly; rename one"),
+        ("wls.WLS(2).name='RLS'", "two estimates are called `RLS`, or nearly; rename one"),
+        ("wls.WLS(2).name='identification'", "an estimate cannot be called `identification`"),
+        ("wls.WLS(2).name='β'", "an estimate cannot be called `β`"),
+        ("ekf.case.EKF(3).substeps=8", "2 are called `EKF(3)`; name one by its index, from 0"),
+        ("controller.reference=['qr_1']", "controller.reference has 1 entries, the plant asks for 2"),
+        ("reference.tables.0.value=[[1.0]]", "give one entry per column and per parameter everywhere"),
     ],
 )
 def test_each_mistake_is_named(override, message):

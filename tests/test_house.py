@@ -10,7 +10,8 @@ from pipeline.paths import PACKAGE, ROOT
 # From the bottom up: a room imports from its own level or from below.
 LEVELS = (
     {"errors", "paths", "records"},
-    {"config", "units"},
+    {"settings", "units"},
+    {"config"},
     {"plant", "export"},
     {"signals", "simulate"},
     {"identify"},

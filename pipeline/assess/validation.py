@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from scipy import signal
 
-from pipeline.config import WlsSettings
 from pipeline.records import Regression
+from pipeline.settings import WlsSettings
 from pipeline.signals.filters import cutoff_frequency, design
 from pipeline.signals.frames import joint_columns
 

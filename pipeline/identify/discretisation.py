@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.identify.ekf import Tuning
+from pipeline.identify.jacobian import linearise
 from pipeline.records import FilterRun
 
 LIMIT = 1.0
@@ -14,27 +15,29 @@ LIMIT = 1.0
 def worst_shift(plant, fine, run: FilterRun, u: np.ndarray, tuning: Tuning, stride: int = 10) -> float:
     """Upper bound, in sigma, of what the error of `plant`'s transition adds to any estimate of a run.
 
-    The error e_k of a step against `fine`, the same plant integrated more finely, acts like process noise that is not
-    white; at worst it all adds up, to √(Σ e_kᵀ Q⁻¹ e_k) (Cauchy–Schwarz in the information metric). Every stride-th
-    sample of the run is taken, at its last parameters. u (N, n): the inputs. It is what tells Euler's step (Eq. 13)
-    from a fair one where NIS and whiteness do not.
+    The error e_k of a step against `fine`, the same plant integrated more finely, moves the states as process noise w
+    of some size would: w_k = e_k where the states are noisy themselves, and [A G, G] w_k = e_k, noise on the forces of
+    this step and the one before, where only they are. At worst all of it adds up: an estimate is linear in the noise,
+    so its shift is at most √(Σ w_kᵀ Q⁻¹ w_k) of its sigma (Cauchy–Schwarz; twice the sum, if steps share a force).
+    Every stride-th sample stands for its neighbours, at the run's last parameters; u (N, n): the inputs. The bound
+    is wide, and tells Euler's step (Eq. 13) from a fair one where NIS and whiteness do not.
     """
     ns, chi = plant.ns, run.x[-1, plant.ns :]
+    steps = range(0, len(run.time) - 1, stride)
     squares = []
-    for k in range(0, len(run.time) - 1, stride):
+    for k in steps:
         s, t, dt = run.x[k, :ns], run.time[k], run.time[k + 1] - run.time[k]
-        exact = fine.transition(s, u[k], chi, t, dt)
-        error = plant.transition(s, u[k], chi, t, dt) - exact
-        squares.append(np.sum(_in_noise(fine, s, u[k], chi, t, dt, exact, error, tuning) ** 2))
-    return float(np.sqrt(np.mean(squares) * (len(run.time) - 1)))
+        error = plant.transition(s, u[k], chi, t, dt) - fine.transition(s, u[k], chi, t, dt)
+        squares.append(np.sum(_as_noise(fine, s, u[k], chi, t, dt, error, tuning) ** 2))
+    shared = 2.0 if tuning.input_noise else 1.0
+    return float(np.sqrt(shared * np.mean(squares) * (len(run.time) - 1)))
 
 
-def _in_noise(fine, s, u, chi, t, dt, exact, error, tuning: Tuning) -> np.ndarray:
-    """The error of a step (ns,) in units of the process noise's standard deviation."""
+def _as_noise(fine, s, u, chi, t, dt, error: np.ndarray, tuning: Tuning) -> np.ndarray:
+    """The process noise, in its standard deviations, that moves the states (ns,) as the error does."""
     sigma = np.sqrt(tuning.q)
     if not tuning.input_noise:
         return error / sigma
-    n = fine.n
-    drive = sigma / fine.binding.gain
-    moved = [fine.transition(s, u + drive * unit, chi, t, dt) - exact for unit in np.eye(n)]
-    return np.linalg.solve(np.column_stack(moved)[:n], error[:n])
+    model = linearise(fine, s, chi, u, t, dt, "central")
+    G = model.C / fine.binding.gain * sigma
+    return np.linalg.solve(np.hstack([model.A @ G, G]), error)

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 from scipy import linalg
 
-from pipeline.config import WlsSettings
 from pipeline.errors import DataError, IdentificationError
 from pipeline.records import Regression
+from pipeline.settings import WlsSettings
 from pipeline.signals.frames import joint_columns, parallel_filter
 
 InverseModel = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]

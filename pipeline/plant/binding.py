@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.config import Positive, Settings, convert, read_toml
+from pipeline.config import convert, read_toml
 from pipeline.errors import ConfigError, FmuError
 from pipeline.paths import FMUS
 from pipeline.plant.fmu import Fmu
+from pipeline.settings import Positive, Settings
 
 
 class Joint(Settings):

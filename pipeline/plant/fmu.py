@@ -89,13 +89,13 @@ def open_fmu(path: str | os.PathLike) -> Fmu:
 
 
 class Instance:
-    """A loaded instance of an FMI 2.0 FMU, initialised at t0 with start values; freed at the end of its `with`.
+    """A loaded instance of an FMI 2.0 FMU; freed at the end of its `with`. Given `start`, it is initialised with it.
 
     `fmu` is fmpy's object (its methods raise), `dll` the shared library for calls in a hot loop (they return a
     status, to be checked with `check`), `component` the instance's pointer, `log` the FMU's last messages.
     """
 
-    def __init__(self, file: Fmu, interface: str):
+    def __init__(self, file: Fmu, interface: str, start: dict[str, float] | None = None):
         if not file.supports(interface):
             raise FmuError(f"{file.path.name}: offers no {INTERFACES[interface]}; choose the other interface")
         self.file, self.interface, self.log = file, interface, []
@@ -109,6 +109,12 @@ class Instance:
             raise FmuError(f"{file.path.name}: cannot be instantiated ({_one_line(error)})") from error
         self.dll: CDLL = self.fmu.dll
         self.component = self.fmu.component
+        if start is not None:
+            try:
+                self.initialize(start)
+            except FmuError:
+                self.fmu.freeInstance()
+                raise
 
     def __enter__(self) -> Instance:
         return self

@@ -17,7 +17,7 @@ TORQUE_STEP = 0.1  # of the input's range: large against round-off, inside every
 
 
 class InverseModel:
-    """The probed inverse model of a plant with no hidden states, called as `D, y0 = model(q, qd, qdd)`.
+    """The probed inverse model of a plant, called as `D, y0 = model(q, qd, qdd)`.
 
     `names` (p,) are the parameters it is linear in; `held` maps the others to the reason; those stay at their
     a-priori values within y0. Build it with `probe`.
@@ -65,12 +65,8 @@ def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndar
     """The inverse model of a plant, its structure tested at points drawn from q, qd, qdd (N, n).
 
     A parameter that is not linear by itself is held at its a-priori value and named. Raises IdentificationError
-    where the plant has hidden states, where qdd is not affine in the input, or where only the set is not linear.
+    where qdd is not affine in the input, or where only the set is not linear.
     """
-    if plant.h:
-        raise IdentificationError(
-            f"{plant.file.path.name}: {plant.h} hidden states, so no inverse model can be probed: use the filter only"
-        )
     rng = np.random.default_rng(seed)
     rows = rng.choice(len(q), size=min(POINTS, len(q)), replace=False)
     point = (q[rows], qd[rows], qdd[rows])

@@ -6,9 +6,9 @@ from itertools import cycle
 
 import numpy as np
 
+from pipeline.config import slug
 from pipeline.report.motion import TIME
 from pipeline.report.panels import Bars, Level, Panel, line
-from pipeline.report.record import slug
 from pipeline.report.run import FILTER_COLOURS, Run, has, times
 from pipeline.report.text import number, with_unit
 from pipeline.signals.correlation import autocorrelation

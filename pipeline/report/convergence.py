@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.config import slug
 from pipeline.report.motion import TIME, figure_title
 from pipeline.report.panels import Level, Line, Panel, line, settled_range
-from pipeline.report.record import slug
 from pipeline.report.run import Run, has, ok, target, times, trusted
 from pipeline.report.text import plus_minus, short, with_unit
 from pipeline.units import unit_text

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.config import slug
 from pipeline.report.panels import POINTS, Line, Panel, line
-from pipeline.report.record import slug
 from pipeline.report.run import Run, has, times, trusted
 from pipeline.report.text import number, with_unit
 from pipeline.units import unit_text

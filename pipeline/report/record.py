@@ -25,20 +25,16 @@ REQUIRED = ("run_id", "experiment", "verdict", "estimates")
 _STEM = re.compile(r"[a-z0-9][a-z0-9_-]*")
 
 
-def slug(name: str) -> str:
-    """File name of an estimate: lower case, runs of other characters become one "-"; "EKF(3) known" → "ekf-3-known"."""
-    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
-
-
 def write_run(folder: Path | str, record: Mapping, signals: Mapping[str, pd.DataFrame]) -> Path:
     """Write a run folder: all of it or nothing.
 
     `signals` maps a file's stem ("identification", "ekf-3-known") to its table (index `time` in s). The files are
-    written into a hidden folder beside and renamed when complete; a folder of the same name is replaced only then.
+    written into a hidden folder beside and renamed when complete; a run of the same name is replaced only then.
     NaN and infinities become null in the JSON. Raises DataError, and leaves what was there untouched, when the disk
-    is full or the place cannot be written.
+    is full, the place cannot be written, or something stands there that is no run.
     """
     folder = Path(folder)
+    check_target(folder)
     for stem in signals:
         if not _STEM.fullmatch(stem):
             raise DataError(f"signal table {stem!r}: not a file name; use lower case letters, digits, - and _")
@@ -54,6 +50,12 @@ def write_run(folder: Path | str, record: Mapping, signals: Mapping[str, pd.Data
     finally:
         shutil.rmtree(fresh, ignore_errors=True)
     return folder
+
+
+def check_target(folder: Path) -> None:
+    """Refuse to put a run where something else stands: only an empty folder or an older run may be replaced."""
+    if folder.exists() and not (folder.is_dir() and ((folder / RESULT).is_file() or not any(folder.iterdir()))):
+        raise DataError(f"run folder {folder}: something that is no run stands there; choose another --output")
 
 
 def read_run(folder: Path | str) -> tuple[dict, dict[str, pd.DataFrame]]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
-from pipeline.config import Filter
 from pipeline.errors import ConfigError, DataError
+from pipeline.settings import Filter
 
 CHEBYSHEV_ORDER, CHEBYSHEV_RIPPLE_DB, CHEBYSHEV_BAND = 8, 0.05, 0.8
 

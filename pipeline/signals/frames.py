@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from pipeline.config import WlsSettings
 from pipeline.errors import ConfigError, DataError
+from pipeline.settings import WlsSettings
 from pipeline.signals.derivatives import central_difference
 from pipeline.signals.filters import low_pass
 

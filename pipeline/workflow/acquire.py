@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.config import Column
 from pipeline.errors import DataError
 from pipeline.paths import FMUS
+from pipeline.settings import Column
 from pipeline.simulate.closed_loop import LoopPorts, simulate_closed_loop
 from pipeline.simulate.measured import ColumnSettings, read_measured, with_force
 from pipeline.simulate.sensors import draw_noise
@@ -19,19 +19,19 @@ from pipeline.workflow.session import Session
 MIN_SAMPLES = 200
 
 
-def acquire(session: Session, validation: bool = False, seed_offset: int = 0) -> pd.DataFrame:
+def acquire(session: Session, validation: bool = False) -> pd.DataFrame:
     """The measured frame of the identification run, or of the validation run."""
     if session.measured:
         return read(session, validation)
-    return simulate(session, validation, seed_offset)
+    return simulate(session, validation)
 
 
-def simulate(session: Session, validation: bool = False, seed_offset: int = 0, noisy: bool = True) -> pd.DataFrame:
+def simulate(session: Session, validation: bool = False, noisy: bool = True) -> pd.DataFrame:
     """Simulate the closed loop on a stored trajectory; the noise follows from seed and run alone."""
     settings = session.experiment.simulation
     reference = reference_of(session, validation)
     scale = 1.0 if noisy else 0.0
-    rng = np.random.default_rng([session.experiment.seed + seed_offset, int(validation)])
+    rng = np.random.default_rng([session.experiment.seed, int(validation)])
     sigma_q, sigma_u = (scale * np.array(s) for s in (settings.sigma_q, settings.sigma_u))
     noise = draw_noise(rng, len(reference), sigma_q, sigma_u, settings.loop)
     return run_loop(session, reference, session.truth, noise)
@@ -52,7 +52,7 @@ def run_loop(session: Session, reference: pd.DataFrame, chi: np.ndarray, noise=N
     binding, controller = session.binding, session.experiment.controller
     n = binding.n
     first = reference.iloc[0]
-    q_start = [first.get(f"q_{i}", first[f"qr_{i}"]) for i in range(1, n + 1)]
+    q_start = [first[f"q_{i}" if f"q_{i}" in first else f"qr_{i}"] for i in range(1, n + 1)]
     qd_start = np.zeros(n) if qd_start is None else qd_start
     plant_start = {**binding.start_values(chi), **binding.filter}
     plant_start |= dict(zip((j.position_start for j in binding.joint), q_start, strict=True))
@@ -100,8 +100,8 @@ def read(session: Session, validation: bool = False) -> pd.DataFrame:
     data = session.experiment.data
     path = Path(data.folder) / (data.validation if validation else data.identification)
     if not path.is_file():
-        hint = f"; get it from {data.source}" if data.source else ""
-        raise DataError(f"{path}: no such data file{hint}, then give its folder with --data")
+        hint = f"get it from {data.source}, then give" if data.source else "give"
+        raise DataError(f"{path}: no such data file; {hint} its folder with --data")
     columns = {**data.columns, **(data.validation_columns if validation else {})}
     mapped = {name: _mapped(session, name, column) for name, column in columns.items()}
     return with_force(read_measured(path, mapped, data.rate, MIN_SAMPLES), session.binding.gain)

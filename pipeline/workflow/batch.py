@@ -10,7 +10,6 @@ from time import process_time
 import numpy as np
 import pandas as pd
 
-from pipeline.config import WlsSettings
 from pipeline.errors import IdentificationError
 from pipeline.identify.essential import Essential, essential
 from pipeline.identify.regression import Excitation, excitation, regression
@@ -19,6 +18,7 @@ from pipeline.identify.wls import wls
 from pipeline.plant.plant import open_plant
 from pipeline.plant.probing import InverseModel, probe
 from pipeline.records import FAILED, Estimate, Regression
+from pipeline.settings import WlsSettings
 from pipeline.signals.frames import filter_frame, joint_columns
 from pipeline.simulate.trajectory import read_waypoints, sample
 from pipeline.workflow.session import Session

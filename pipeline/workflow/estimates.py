@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pandas as pd
 
+from pipeline.config import slug
 from pipeline.identify.essential import Essential
 from pipeline.identify.wls import residuals
 from pipeline.records import OK, Estimate, Regression
-from pipeline.report.record import slug
 from pipeline.workflow.filtering import Filtered
 from pipeline.workflow.session import Session
 

@@ -8,14 +8,14 @@ from time import process_time
 import numpy as np
 import pandas as pd
 
-from pipeline.config import EkfCase
-from pipeline.errors import IdentificationError
+from pipeline.errors import ConfigError, IdentificationError
 from pipeline.identify.discretisation import worst_shift
 from pipeline.identify.ekf import Tuning, run_filter
 from pipeline.identify.tuning import force_noise, position_noise
 from pipeline.plant.binding import Binding
 from pipeline.plant.plant import open_plant
 from pipeline.records import FAILED, OK, Estimate, FilterRun
+from pipeline.settings import EkfCase
 from pipeline.signals.filters import cutoff_frequency
 from pipeline.signals.frames import joint_columns
 from pipeline.workflow.batch import Batch
@@ -41,22 +41,16 @@ class Filtered:
     shift: float | None = None
 
 
-def names_of(case: EkfCase) -> dict[str, str]:
-    """Name of the estimate by tuning: the paper's, and one without an alternative, bear the case's bare name."""
-    bare = len(case.tunings) == 1
-    return {tuning: case.name if bare or tuning == "paper" else f"{case.name} {tuning}" for tuning in case.tunings}
-
-
 def run_filters(session: Session, frame: pd.DataFrame, best: Batch) -> dict[str, Filtered]:
     """Run every case on the measured frame; `best` is the recommended WLS variant."""
     return {
-        name: run_case(session, frame, best, case, tuning, name)
+        case.called(tuning): run_case(session, frame, best, case, tuning)
         for case in session.experiment.ekf.case
-        for tuning, name in names_of(case).items()
+        for tuning in case.tunings
     }
 
 
-def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, tuning: str, name: str) -> Filtered:
+def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, tuning: str) -> Filtered:
     """Run one case with one tuning ("paper", "known" or "derived")."""
     ekf, binding = session.experiment.ekf, session.binding
     method, substeps = case.method or ekf.method, case.substeps or ekf.substeps
@@ -70,8 +64,10 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
     with open_plant(binding, "filter", interface, method, substeps) as plant:
         run = run_filter(plant, time, q, u, z0, P0, noise, ekf.jacobian, ekf.covariance)
         calls = plant.calls
-        shift = None if run.failed_at is not None else transition_shift(session, plant, run, u, noise, substeps)
-    estimate = _estimate(name, binding, run, time, chi0, process_time() - start)
+    estimate = _estimate(case.called(tuning), binding, run, time, chi0, process_time() - start)
+    shift = None
+    if run.failed_at is None and interface == "ME" and np.all(noise.q > 0):
+        shift = transition_shift(binding, run, u, noise, method, substeps)
     settings = {
         "transition": transition_text(interface, method, substeps),
         "interface": interface,
@@ -95,12 +91,13 @@ def transition_text(interface: str, method: str, substeps: int) -> str:
 
 
 def transition_shift(
-    session: Session, plant, run: FilterRun, u: np.ndarray, noise: Tuning, substeps: int
-) -> float | None:
-    """The worst shift in sigma by the transition's own error; None in Co-Simulation, whose steps are the FMU's own."""
-    if plant.interface == "CS" or np.any(noise.q == 0):
-        return None
-    with open_plant(session.binding, "filter", "ME", "rk4", FINER * substeps) as fine:
+    binding: Binding, run: FilterRun, u: np.ndarray, noise: Tuning, method: str, substeps: int
+) -> float:
+    """The worst shift in sigma by the transition's own error: against the same plant in FINER sub-steps by RK4."""
+    with (
+        open_plant(binding, "filter", "ME", method, substeps) as plant,
+        open_plant(binding, "filter", "ME", "rk4", FINER * substeps) as fine,
+    ):
         return worst_shift(plant, fine, run, u, noise)
 
 
@@ -136,9 +133,10 @@ def noise_levels(session: Session, frame: pd.DataFrame, sigma_rho: np.ndarray, c
         return Tuning(np.array(simulation.sigma_q) ** 2, sigma_tau**2, input_noise=True)
     settings, rate = session.recommended, session.rate
     q = frame[joint_columns("q", session.binding.n)].to_numpy()
-    sigma_q = position_noise(q, rate, settings.position.cutoff)
-    cutoff = cutoff_frequency(rate, settings.parallel, settings.decimation)
-    sigma_tau = force_noise(sigma_rho, rate, cutoff)
+    band, parallel = (cutoff_frequency(rate, f, settings.decimation) for f in (settings.position, settings.parallel))
+    if band >= 0.5 * rate:
+        raise ConfigError(f"{settings.name}: the tuning `derived` needs a position filter with a cut-off; set one")
+    sigma_q, sigma_tau = position_noise(q, rate, band), force_noise(sigma_rho, rate, parallel)
     return Tuning(sigma_q**2, sigma_tau**2, input_noise=True)
 
 

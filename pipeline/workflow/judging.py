@@ -57,10 +57,13 @@ def _against_truth(session: Session, estimates: dict[str, Estimate]) -> list[Ite
 
 def _consistent(session: Session, filters: dict[str, Filtered], tests: dict[str, Consistency]) -> list[Item]:
     items = []
-    for name in _named(session, filters):
-        test = tests[name]
-        items.append(within(f"{name} mean NIS", test.NIS_mean, test.low, test.high))
-        items.append(holds(f"{name} innovations white", all(w.ok for w in test.whiteness), "warn"))
+    for name, estimate in _named(session, filters).items():
+        items.append(holds(f"{name} succeeded", estimate.status == OK))
+        if name in tests:
+            test = tests[name]
+            items.append(within(f"{name} mean NIS", test.NIS_mean, test.low, test.high))
+            items.append(holds(f"{name} innovations white", all(w.ok for w in test.whiteness), "warn"))
+            items.append(holds(f"{name} sigma may be trusted", not estimate.sigma_reason, "warn"))
     return items
 
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pandas as pd
 
 from pipeline.assess.consistency import Consistency
 from pipeline.assess.residuals import residual_tests
+from pipeline.config import slug
 from pipeline.identify.discretisation import LIMIT
 from pipeline.identify.regression import Excitation
 from pipeline.records import OK
-from pipeline.report.record import slug
+from pipeline.settings import PublishedTable
 from pipeline.signals.frames import joint_columns
 from pipeline.workflow.batch import Batch, BatchStage
 from pipeline.workflow.estimates import (
@@ -55,19 +57,20 @@ def excitation_entry(found: Excitation) -> dict:
 
 def reference_entry(session: Session) -> dict:
     """The published results, their tables by column and parameter."""
-    reference = dict(session.experiment.reference)
-    reference["tables"] = [_published_table(table) for table in reference.get("tables", [])]
-    reference["metrics"] = {key: v for key, v in reference.items() if key.startswith("condition_number")}
-    return reference
+    published = session.experiment.reference
+    reference = msgspec.to_builtins(published)
+    reference["tables"] = [_published_table(table) for table in published.tables]
+    conditions = {key: v for key, v in reference.items() if key.startswith("condition_number") and v is not None}
+    return {**reference, "metrics": conditions}
 
 
-def _published_table(table: dict) -> dict:
+def _published_table(table: PublishedTable) -> dict:
     columns = {}
-    for j, column in enumerate(table["columns"]):
-        values = zip(table["parameters"], table["value"][j], table["relative_sigma_percent"][j], strict=True)
+    for j, column in enumerate(table.columns):
+        values = zip(table.parameters, table.value[j], table.relative_sigma_percent[j], strict=True)
         parameters = {name: {"value": v, "relative_sigma_percent": s} for name, v, s in values}
-        columns[column] = {"ours": table["ours"][j], "parameters": parameters}
-    return {"title": table["title"], "estimates": columns}
+        columns[column] = {"ours": table.ours[j], "parameters": parameters}
+    return {"title": table.title, "estimates": columns}
 
 
 def batch_entries(session: Session, batch: BatchStage) -> tuple[dict, dict[str, pd.DataFrame]]:

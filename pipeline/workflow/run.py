@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from itertools import count
 from pathlib import Path
 
 import pandas as pd
@@ -10,11 +11,12 @@ import pandas as pd
 from pipeline.assess.comparison import findings
 from pipeline.assess.consistency import consistency
 from pipeline.assess.verdict import Item, verdict
+from pipeline.config import slug
 from pipeline.errors import FmuidError
 from pipeline.paths import REPORTS
 from pipeline.plant.probing import InverseModel
 from pipeline.report.page import write_page
-from pipeline.report.record import SCHEMA, write_run
+from pipeline.report.record import SCHEMA, check_target, write_run
 from pipeline.workflow import record as entries
 from pipeline.workflow.acquire import acquire
 from pipeline.workflow.batch import open_inverse_model, reference_excitation, run_batch
@@ -32,16 +34,23 @@ def run(session: Session, output: str | None = None) -> tuple[Path, dict]:
     whose data cannot be had raises, for then there is nothing to report.
     """
     created = datetime.now(UTC)
-    run_id = f"{session.experiment.name}-{created:%Y%m%d-%H%M%S}"
-    folder = Path(output) if output else REPORTS / run_id
+    folder = Path(output) if output else REPORTS / f"{slug(session.experiment.name)}-{created:%Y%m%d-%H%M%S}"
+    check_target(folder)
     with session.stage("data"):
         frame, validation_frame = acquire(session), acquire(session, validation=True)
     record, signals = identify(session, frame, validation_frame)
+    folder = folder if output else _free(folder)
     record = {"schema": SCHEMA, "run_id": folder.name, "created": created.isoformat(timespec="seconds"), **record}
     with session.stage("page"):
         write_run(folder, record, signals)
         write_page(folder)
     return folder, record
+
+
+def _free(folder: Path) -> Path:
+    """The folder, or the first of `-2`, `-3` … that another run of the same second has not taken."""
+    names = (folder.with_name(f"{folder.name}-{i}") if i > 1 else folder for i in count(1))
+    return next(name for name in names if not name.exists())
 
 
 def identify(

@@ -10,9 +10,10 @@ from time import process_time
 
 import numpy as np
 
-from pipeline.config import Experiment, WlsSettings, find_experiment, load_experiment
+from pipeline.config import find_experiment, load_experiment
 from pipeline.errors import ConfigError
 from pipeline.plant.binding import Binding, load_binding
+from pipeline.settings import Experiment, WlsSettings
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,12 @@ def open_session(
 def _check_sizes(session: Session) -> None:
     """One entry per joint, state or parameter, wherever an experiment lists them."""
     e, n, p = session.experiment, session.binding.n, len(session.binding.names)
-    sized = [("controller.position", e.controller.position, n), ("controller.output", e.controller.output, n)]
+    sized = []
+    if e.controller is not None:
+        c = e.controller
+        sized = [(f"controller.{key}", getattr(c, key), n) for key in ("reference", "position", "output")]
+        optional = ("reference_velocity", "extra", "position_start", "velocity_start")
+        sized += [(f"controller.{key}", getattr(c, key), n) for key in optional if getattr(c, key)]
     if e.simulation is not None:
         sized += [("simulation.sigma_q", e.simulation.sigma_q, n), ("simulation.sigma_u", e.simulation.sigma_u, n)]
         wrong = set(session.binding.names) ^ set(e.simulation.truth)

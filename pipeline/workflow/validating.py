@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 
 from pipeline.assess.validation import Prediction, noise_floor, predict, relative_error
-from pipeline.config import WlsSettings
 from pipeline.errors import ConfigError
 from pipeline.identify.regression import regression
 from pipeline.plant.probing import InverseModel
 from pipeline.records import OK, Estimate, Regression
+from pipeline.settings import WlsSettings
 from pipeline.signals.frames import filter_frame, joint_columns
 from pipeline.workflow.acquire import run_loop
 from pipeline.workflow.batch import BatchStage

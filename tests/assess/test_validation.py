@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.assess.validation import noise_floor, passed_noise, predict, relative_error, white_level
-from pipeline.config import Filter
 from pipeline.identify.regression import regression
 from pipeline.identify.wls import wls
+from pipeline.settings import Filter
 from pipeline.signals.filters import low_pass
 from pipeline.signals.frames import filter_frame
 from tests.closed_form import NAMES, TRUTH, UNITS, inverse_model

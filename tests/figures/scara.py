@@ -154,7 +154,7 @@ def filtered(session: Session, name: str, tuning: str):
     case = next(c for c in session.experiment.ekf.case if c.name == name and tuning in c.tunings)
     with open_inverse_model(session, frame) as model:
         best = run_variant(session, frame, model, session.recommended)
-    return run_case(session, frame, best, case, tuning, f"{name} {tuning}")
+    return run_case(session, frame, best, case, tuning)
 
 
 def ekf_figures(seeds) -> list[Figure]:
@@ -204,7 +204,7 @@ def _assuming(session: Session, noise: dict[str, list[float]]):
     with open_inverse_model(session, frame) as model:
         best = run_variant(session, frame, model, session.recommended)
     assuming = session_of(1, *(f"simulation.{key}={value}" for key, value in noise.items()))
-    return run_case(assuming, simulate(session, noisy=False), best, case, "known", "EKF(3) known")
+    return run_case(assuming, simulate(session, noisy=False), best, case, "known")
 
 
 class BothForms(UduForm):

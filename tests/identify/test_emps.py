@@ -7,10 +7,10 @@ from scipy.io import loadmat
 
 from pipeline.assess.residuals import residual_tests
 from pipeline.assess.validation import predict
-from pipeline.config import Filter, WlsSettings
 from pipeline.identify.regression import excitation, regression
 from pipeline.identify.rls import rls
 from pipeline.identify.wls import wls
+from pipeline.settings import Filter, WlsSettings
 from pipeline.signals.frames import filter_frame
 
 NAMES, UNITS = ("M", "Fv", "Fc", "offset"), ("kg", "N.s/m", "N", "N")

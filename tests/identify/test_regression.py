@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.config import Filter, WlsSettings
 from pipeline.errors import DataError, IdentificationError
 from pipeline.identify.regression import (
     condition_Phi,
@@ -18,6 +17,7 @@ from pipeline.identify.regression import (
     subset,
     weighted,
 )
+from pipeline.settings import Filter, WlsSettings
 from pipeline.signals.frames import filter_frame
 from tests.closed_form import NAMES, TRUTH, inverse_model
 from tests.reference_loop import RATE, WLS_3, records

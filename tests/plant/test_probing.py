@@ -37,10 +37,10 @@ def test_smooth_friction_is_another_regressor(fmus):
 class OneJoint:
     """m qdd = u − force(chi, q, qd): a plant whose structure a test chooses."""
 
-    n, h = 1, 0
+    n = 1
 
-    def __init__(self, force, names, mass=lambda chi: 2.0, drive=lambda u: u, h=0):
-        self.force, self.mass, self.drive, self.h = force, mass, drive, h
+    def __init__(self, force, names, mass=lambda chi: 2.0, drive=lambda u: u):
+        self.force, self.mass, self.drive = force, mass, drive
         self.file = SimpleNamespace(path=SimpleNamespace(name="joint.fmu"))
         self.binding = SimpleNamespace(
             names=names,
@@ -83,8 +83,3 @@ def test_saturation_inside_the_range_is_refused():
     plant = OneJoint(lambda chi, q, qd: chi[0] * qd, ("c",), drive=lambda u: np.clip(u, -1.5, 1.5))
     with pytest.raises(IdentificationError, match="not affine in the input"):
         probe(plant, *ONE)
-
-
-def test_hidden_states_are_refused():
-    with pytest.raises(IdentificationError, match="1 hidden states"):
-        probe(OneJoint(lambda chi, q, qd: chi[0] * qd, ("c",), h=1), *ONE)

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from pipeline.report.record import slug
+from pipeline.config import slug
 
 UNITS = {
     "ZZR1": "kg.m2",

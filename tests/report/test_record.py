@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.config import slug
 from pipeline.errors import DataError
-from pipeline.report.record import plain, read_run, slug, write_run, write_text
+from pipeline.report.record import plain, read_run, write_run, write_text
 from tests.report import synthetic
 
 RECORD = {"run_id": "r", "experiment": {"name": "x"}, "verdict": {"status": "pass"}, "estimates": {}}

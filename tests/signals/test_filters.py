@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
-from pipeline.config import Filter
 from pipeline.errors import ConfigError, DataError
+from pipeline.settings import Filter
 from pipeline.signals.filters import cutoff_frequency, design, low_pass, padding_length
 
 RATE = 100.0

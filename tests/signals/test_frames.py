@@ -5,8 +5,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.config import Filter, WlsSettings
 from pipeline.errors import ConfigError, DataError
+from pipeline.settings import Filter, WlsSettings
 from pipeline.signals.frames import align_held, filter_frame, parallel_filter
 
 RATE = 100.0

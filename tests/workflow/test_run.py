@@ -5,11 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from pipeline.errors import ConfigError, DataError
+from pipeline.errors import DataError
 from pipeline.report.record import read_run
 from pipeline.workflow.acquire import acquire, simulate
-from pipeline.workflow.filtering import names_of
-from pipeline.workflow.run import identify, run
+from pipeline.workflow.run import _free, identify, run
 from pipeline.workflow.session import open_session
 
 QUICK = ["ekf.case.EKF(2).tunings=['paper']", "ekf.substeps=1", "ekf.method='euler'"]
@@ -79,6 +78,27 @@ def test_a_failed_stage_still_leaves_a_page(fmus, tmp_path):
     assert "leaves none of 2501 samples" in (folder / "index.html").read_text()
 
 
+def test_a_recommended_filter_that_fails_is_a_failed_check_not_a_crash(fmus):
+    record, _ = identify(open_session("scara", ["ekf.recommended='EKF(1)'", *QUICK]))
+    assert record["verdict"]["status"] == "fail" and not record["errors"]
+    assert {"name": "EKF(1) succeeded", "value": False, "limit": True, "status": "fail"} in record["verdict"]["items"]
+
+
+def test_a_run_never_replaces_what_is_no_run(fmus, tmp_path):
+    (tmp_path / "thesis.txt").write_text("three years of work")
+    with pytest.raises(DataError, match="something that is no run stands there"):
+        run(open_session("scara", QUICK), str(tmp_path))
+    with pytest.raises(DataError, match="something that is no run stands there"):
+        run(open_session("scara", QUICK), str(tmp_path / "thesis.txt"))
+    assert (tmp_path / "thesis.txt").read_text() == "three years of work"
+
+
+def test_two_runs_of_one_second_have_folders_of_their_own(tmp_path):
+    (tmp_path / "scara-1").mkdir()
+    (tmp_path / "scara-1-2").mkdir()
+    assert _free(tmp_path / "scara-1").name == "scara-1-3"
+
+
 def test_the_seed_alone_decides_the_noise(fmus):
     frames = [acquire(open_session("scara", [f"seed={seed}"])) for seed in (1, 1, 2)]
     assert frames[0].equals(frames[1])
@@ -93,22 +113,15 @@ def test_without_noise_what_is_measured_is_true(fmus):
 
 def test_an_estimate_is_named_after_its_tuning_where_there_is_a_choice():
     cases = {c.name: c for c in open_session("emps").experiment.ekf.case}
-    assert names_of(cases["EKF(half)"]) == {"derived": "EKF(half)"}
+    assert cases["EKF(half)"].called("derived") == "EKF(half)"
     two = [c for c in open_session("scara").experiment.ekf.case if c.name == "EKF(3)"][1]
-    assert names_of(two) == {"known": "EKF(3) known", "derived": "EKF(3) derived"}
+    assert [two.called(t) for t in two.tunings] == ["EKF(3) known", "EKF(3) derived"]
 
 
 def test_missing_data_say_where_to_get_them(tmp_path):
     session = open_session("emps", [f"data.folder={str(tmp_path)!r}"])
     with pytest.raises(DataError, match=r"DATA_EMPS\.mat: no such data file; get it from the EMPS benchmark.*--data"):
         acquire(session)
-
-
-def test_a_closed_loop_of_an_unknown_estimate_is_refused(fmus, emps_data):
-    session = open_session("emps", [f"data.folder={str(emps_data)!r}", "closed_loop.estimate='WLS(9)'", "ekf.case=[]"])
-    record, _ = identify(session)
-    assert record["errors"][0]["exit_code"] == ConfigError.exit_code
-    assert "`WLS(9)` is no estimate that succeeded" in record["errors"][0]["message"]
 
 
 def test_the_measured_drive_gives_the_published_result(fmus, emps_data):

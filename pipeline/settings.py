@@ -1,0 +1,213 @@
+"""The settings of an experiment, as types: what its TOML file may say. An unknown key is refused."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import msgspec
+
+Positive = Annotated[float, msgspec.Meta(gt=0)]
+NotNegative = Annotated[float, msgspec.Meta(ge=0)]
+Count = Annotated[int, msgspec.Meta(ge=1)]
+
+
+class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Base of every group of settings: frozen, and strict about its keys."""
+
+
+class Filter(Settings):
+    """A low-pass filter: Butterworth with `cutoff` [Hz] and `order`, or the usual decimation filter.
+
+    "zero-phase" runs forward and backward, "forward" only forward (it lags), "none" passes the signal through;
+    "decimate" is the 8th-order Chebyshev type I filter (0.05 dB, 0.8·Nyquist/decimation), forward and backward.
+    """
+
+    kind: Literal["zero-phase", "forward", "none", "decimate"]
+    cutoff: NotNegative = 0.0
+    order: Count = 4
+
+
+class WlsSettings(Settings):
+    """How one WLS variant filters: the position, then y and every column of W in parallel, then 1 of `decimation`.
+
+    border: samples cut at the (beginning, end), counted at the original rate; half_sample: align the torque held
+    over a sample with the position measured at its end.
+    """
+
+    name: str
+    position: Filter
+    parallel: Filter
+    decimation: Count = 1
+    border: tuple[int, int] = (0, 0)
+    half_sample: bool = True
+
+
+class ControllerSettings(Settings):
+    """The controller FMU and its ports, one per joint: references, measured positions, commands, extra inputs."""
+
+    fmu: str
+    period: Positive
+    reference: tuple[str, ...]
+    position: tuple[str, ...]
+    output: tuple[str, ...]
+    reference_velocity: tuple[str, ...] = ()
+    extra: tuple[str, ...] = ()
+    start: dict[str, float] = {}
+    position_start: tuple[str, ...] = ()
+    velocity_start: tuple[str, ...] = ()
+
+
+class SimulationSettings(Settings):
+    """Where simulated data come from: the stored trajectories, the true parameters, the noise and the sampling.
+
+    sigma_q [rad or m], sigma_u [the plant input's unit]: one per joint; rate [Hz]; loop: "disturbed" (the noise acts
+    in the loop) or "clean" (it stands in the record only).
+    """
+
+    identification: str
+    validation: str
+    rate: Positive
+    truth: dict[str, float]
+    sigma_q: tuple[NotNegative, ...]
+    sigma_u: tuple[NotNegative, ...]
+    loop: Literal["disturbed", "clean"] = "disturbed"
+
+
+class Column(Settings):
+    """One column of a measured file: its name and unit there; value = scale · (converted) + offset [our unit]."""
+
+    source: str
+    unit: str
+    scale: float = 1.0
+    offset: float = 0.0
+
+
+class DataSettings(Settings):
+    """Measured data: the files, the frame's columns (`time`, `q_1`, `u_1`, `qr_1`, `pulse_1` …) and the rate [Hz].
+
+    validation_columns come on top of `columns` in the validation file; `pulse_i` feeds the controller's extra inputs in
+    a re-simulation; `source` says where to get the files; `folder` is where they are, unless `--data` says otherwise.
+    """
+
+    identification: str
+    validation: str
+    rate: Positive
+    columns: dict[str, Column]
+    validation_columns: dict[str, Column] = {}
+    source: str = ""
+    folder: str = ""
+
+
+class EkfCase(Settings):
+    """One start of the filter and its tunings; a run is called `name`, or `name tuning` where there is a choice.
+
+    chi0 (p,) or wls_factor: the start, as numbers or as a multiple of the recommended WLS estimate. Its spread:
+    P0_parameters (p,), variances; or P0_relative, the standard deviation as a fraction of |chi0|; or P0_sigmas, the
+    same as a multiple of WLS's sigma. R (n,) and Q (2n,): the paper's
+    covariances, needed by the tuning "paper". P0_state, method and substeps override those of `[ekf]`.
+    """
+
+    name: str
+    tunings: tuple[Literal["paper", "known", "derived"], ...]
+    chi0: tuple[float, ...] = ()
+    wls_factor: float | None = None
+    P0_state: tuple[Positive, ...] = ()
+    P0_parameters: tuple[NotNegative, ...] = ()
+    P0_relative: Positive | None = None
+    P0_sigmas: Positive | None = None
+    R: tuple[Positive, ...] = ()
+    Q: tuple[NotNegative, ...] = ()
+    method: Literal["euler", "rk4"] | None = None
+    substeps: Count | None = None
+
+    def called(self, tuning: str) -> str:
+        """Name of the estimate: the paper's tuning, and one without an alternative, bear the case's bare name."""
+        return self.name if len(self.tunings) == 1 or tuning == "paper" else f"{self.name} {tuning}"
+
+
+class EkfSettings(Settings):
+    """The extended Kalman filter: transition, Jacobian, covariance form and the cases to run.
+
+    P0_state (2n,): variances of [qd, q] at the start; start_at_rest: begin with qd = 0, else with the filtered
+    velocity of the first sample; recommended: the estimate that the verdict judges.
+    """
+
+    P0_state: tuple[Positive, ...]
+    case: tuple[EkfCase, ...]
+    recommended: str = ""
+    start_at_rest: bool = True
+    method: Literal["euler", "rk4"] = "rk4"
+    substeps: Count = 4
+    interface: Literal["ME", "CS"] = "ME"
+    jacobian: Literal["forward", "central"] = "forward"
+    covariance: Literal["udu", "joseph"] = "udu"
+
+
+class ClosedLoopSettings(Settings):
+    """The re-simulation of the identified model in closed loop: which estimate, and the rows cut at both ends."""
+
+    estimate: str
+    border: tuple[int, int] = (0, 0)
+
+
+class LimitSettings(Settings):
+    """Limits of the verdict; one that is absent is not judged."""
+
+    condition_number_W: float | None = None
+    condition_number_Phi: float | None = None
+    relative_sigma_percent: float | None = None
+    truth_sigmas: float | None = None
+    force_error_percent: float | None = None
+    above_noise_floor_percent: float | None = None
+    closed_loop_position_percent: float | None = None
+    closed_loop_force_percent: float | None = None
+
+
+class PublishedTable(Settings):
+    """A published table: a column of values and relative sigmas [%] per estimate, and which of `ours` stands beside."""
+
+    title: str
+    columns: tuple[str, ...]
+    ours: tuple[str, ...]
+    parameters: tuple[str, ...]
+    value: tuple[tuple[float, ...], ...]
+    relative_sigma_percent: tuple[tuple[float, ...], ...]
+
+
+class Reference(Settings):
+    """Published results that ours are shown beside; all of it goes into the record.
+
+    figures: which of our panels are the publication's figures; elapsed: seconds by method, and `machine`;
+    force_error_percent and closed_loop: relative errors in % by run (and signal).
+    """
+
+    source: str = ""
+    condition_number_W: float | None = None
+    condition_number_Phi: float | None = None
+    tables: tuple[PublishedTable, ...] = ()
+    elapsed: dict[str, float | str] = {}
+    force_error_percent: dict[str, float] = {}
+    closed_loop: dict[str, dict[str, float]] = {}
+    figures: dict[str, int | dict[str, tuple[int, ...]]] = {}
+
+
+class Experiment(Settings):
+    """A whole experiment: a plant (its binding), where the data come from, the estimators, the limits.
+
+    Measured `data` come before `simulation` where an experiment has both; `recommended` names the WLS variant that
+    everything else builds on; `reference` holds published results and goes into the record as it is.
+    """
+
+    name: str
+    title: str
+    plant: str
+    wls: tuple[WlsSettings, ...]
+    recommended: str
+    controller: ControllerSettings | None = None
+    seed: int = 0
+    simulation: SimulationSettings | None = None
+    data: DataSettings | None = None
+    ekf: EkfSettings | None = None
+    closed_loop: ClosedLoopSettings | None = None
+    limits: LimitSettings = LimitSettings()
+    reference: Reference = Reference()
