@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 
 from pipeline import __version__
@@ -19,14 +20,17 @@ def main(argv: list[str] | None = None) -> int:
     """Run `fmuid`; returns the exit code. Every error a user can meet is one line on stderr."""
     arguments = _parser().parse_args(argv)
     try:
-        return arguments.command(arguments) or 0
+        code = arguments.command(arguments)
+        sys.stdout.flush()
+        return code
     except FmuidError as error:
         print(f"fmuid: {error}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:
         print("fmuid: interrupted", file=sys.stderr)
         return 130
-    except BrokenPipeError:
+    except BrokenPipeError:  # the reader has seen enough (| head); nothing more may be flushed at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
 
 
@@ -85,9 +89,7 @@ def _session(arguments: argparse.Namespace):
     overrides = list(arguments.set)
     if arguments.seed is not None:
         overrides.append(f"seed={arguments.seed}")
-    if arguments.data is not None:
-        overrides.append(f"data.folder={json.dumps(arguments.data)}")
-    return open_session(arguments.experiment, overrides, _narrate, arguments.simulated)
+    return open_session(arguments.experiment, overrides, _narrate, arguments.simulated, arguments.data)
 
 
 def _narrate(text: str) -> None:
@@ -128,6 +130,8 @@ def _write_csv(frame, output: str | None) -> None:
 
     try:
         frame.to_csv(output or sys.stdout)
+    except BrokenPipeError:
+        raise
     except OSError as error:
         raise DataError(f"{output or 'stdout'}: cannot be written ({error.strerror}); give another --output") from error
 

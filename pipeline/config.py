@@ -31,13 +31,10 @@ def slug(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
 
 
-def load_experiment(
-    name_or_path: str, overrides: Sequence[str] = (), without: Sequence[str] = ()
-) -> tuple[Experiment, dict]:
+def load_experiment(name_or_path: str, overrides: Sequence[str] = (), without: Sequence[str] = ()) -> Experiment:
     """The experiment shipped as `name`, or in the TOML file at a path, with `--set key.path=value` overrides applied.
 
-    without: top-level tables to leave out. Returns the settings, and the plain table they came from for the run
-    record. Raises ConfigError.
+    without: top-level tables to leave out. Raises ConfigError.
     """
     path = find_experiment(name_or_path)
     table = {"name": path.stem, **read_toml(path)}
@@ -47,7 +44,7 @@ def load_experiment(
         table.pop(key, None)
     experiment = convert(table, Experiment, path.name)
     _check(experiment, path.name)
-    return experiment, table
+    return experiment
 
 
 def find_experiment(name_or_path: str) -> Path:

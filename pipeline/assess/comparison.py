@@ -68,7 +68,7 @@ def truth(record: dict) -> Iterator[str]:
             yield f"{name} is {figures(errors[worst], 2)} of its own sigma off the truth in {worst}: it is too small."
     if honest:
         limit = f"{figures(max(honest.values()), 2)} of their own sigma off the truth (limit {TRUTH_SIGMAS:g})"
-        yield f"{listed(list(honest))}: no parameter is more than {limit}, their sigma is honest."
+        yield f"{listed(list(honest))}: no parameter is more than {limit}; nothing contradicts their sigma."
 
 
 def published(record: dict) -> Iterator[str]:
@@ -114,12 +114,14 @@ def closeness(record: dict) -> Iterator[str]:
 
 
 def starts(record: dict) -> Iterator[str]:
-    """Where the filter ends from different starts with the same tuning: how sensitive it is to chi0 and P0."""
-    by_tuning: dict[str, list[str]] = {}
+    """Where the filter ends from different starts with the same R and Q: how sensitive it is to chi0 and P0."""
+    by_tuning: dict[tuple[str, str], list[str]] = {}
     for name, e in lookup.filters(record).items():
+        settings = e.get("settings") or {}
         if not lookup.is_euler(e):
-            by_tuning.setdefault(e.get("tuning") or "", []).append(name)
-    for tuning, names in by_tuning.items():
+            noise = str((settings.get("R"), settings.get("Q")))
+            by_tuning.setdefault((e.get("tuning") or "", noise), []).append(name)
+    for (tuning, _), names in by_tuning.items():
         first, last = (record["estimates"][n] for n in (names[0], names[-1]))
         gap = lookup.apart(first, last) if len(names) > 1 else None
         if gap is not None:
@@ -215,7 +217,7 @@ def conclusion(record: dict) -> Iterator[str]:
     numbers = f"{best} predicts to {figures(totals[best])} %, the best filter ({rival}) to {figures(rivals[rival])} %"
     cost = "at a lower cost" if cheaper else "at no lower cost"
     yield (
-        f"The paper's conclusion, WLS is the better choice off line, {holds} in this run: {numbers}; "
+        f"Gautier and Poignet's conclusion, WLS is the better choice off line, {holds} in this run: {numbers}; "
         f"WLS does so {cost} and needs no start values."
     )
 

@@ -74,7 +74,8 @@ def _sentence(mean: float, low: float, high: float, white: tuple[Whiteness, ...]
         reasons.append(f"{band}: the filter assumes more noise than there is, its sigma is too large")
     if mean > high:
         reasons.append(f"{band}: the filter assumes too little noise or its model is wrong, its sigma is too small")
-    reasons += [w.sentence for w in white if not w.ok]
+    coloured = [w.sentence for w in white if not w.ok]
+    reasons += coloured + ["the model, or the ratio of Q to R, is not what the data show"] * bool(coloured)
     return "; ".join(reasons) + "; sigma is withheld"
 
 

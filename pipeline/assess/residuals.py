@@ -84,7 +84,7 @@ def whiteness(series: np.ndarray, what: str = "residual") -> Whiteness:
         f"{what}: lag-1 correlation {r[0]:.2f}, {outside:.0f} % of {LAGS} lags outside ±{bound:.3f} (5 % expected), "
         f"slow power {slow:.2f} of white noise's"
     )
-    verdict = "white" if ok else f"coloured (p {_chance(p_value)}): something in the motion is not modelled"
+    verdict = "white" if ok else f"coloured (p {_chance(p_value)})"
     return Whiteness(float(r[0]), outside, float(bound), slow, p_value, ok, f"{told}: {verdict}")
 
 

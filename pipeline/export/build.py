@@ -149,7 +149,7 @@ def guid_of(parts: Mapping[str, str]) -> str:
 
 
 def fingerprint(modelica: Path, starts: Mapping[str, float]) -> str:
-    """A hash of what an FMU is made from, but for the compiler: sources of model and exporter, start values, versions."""
+    """A hash of all an FMU is made from but the compiler: sources of model and exporter, start values, versions."""
     from importlib.metadata import version
 
     h = hashlib.sha256()

@@ -14,7 +14,7 @@ from pipeline.records import Estimate, Regression
 from pipeline.signals.correlation import autocorrelation
 
 INDEPENDENT_SECONDS = LAG_SECONDS / 4
-"""Rows this far apart no longer share the memory of the parallel filter; decimated rows are all this far apart."""
+"""Rows this far apart hardly share the memory of a 4 Hz parallel filter."""
 COLOUR_LIMIT = 0.35
 """Autocorrelation of the residual above which sigma is not trusted: AR(1) noise of 0.35 understates sigma by 1.44."""
 
@@ -22,8 +22,8 @@ COLOUR_LIMIT = 0.35
 def wls(regression: Regression, name: str, units: Sequence[str]) -> Estimate:
     """chi_w = arg min rhoᵀ Gᵀ G rho (Eq. 7) by economy QR of W_w, with standard deviations and cond(W_w).
 
-    units (p,) of the parameters. Covariance: (W_wᵀ W_w)⁻¹ from R where decimation has left rows that are as good
-    as independent, else Newey–West. Where the residual is coloured all the same, `sigma_reason` says so.
+    units (p,) of the parameters. Covariance: (W_wᵀ W_w)⁻¹ from R where the rows of a joint are INDEPENDENT_SECONDS
+    apart or more, else Newey–West. Where the residual is coloured all the same, `sigma_reason` says so.
     Raises IdentificationError naming the parameters that the record does not excite.
     """
     start = process_time()
@@ -31,7 +31,8 @@ def wls(regression: Regression, name: str, units: Sequence[str]) -> Estimate:
     require_full_rank(W_w, regression.names)
     theta, R = solve(W_w, y_w)
     rho_w = y_w - W_w @ theta
-    covariance = formal(R) if regression.decimation > 1 else newey_west(W_w, rho_w, regression.time, R)
+    apart = row_spacing(regression) > 0.99 * INDEPENDENT_SECONDS
+    covariance = formal(R) if apart else newey_west(W_w, rho_w, regression.time, R)
     return Estimate(
         name=name,
         method="WLS",
@@ -43,6 +44,12 @@ def wls(regression: Regression, name: str, units: Sequence[str]) -> Estimate:
         elapsed=process_time() - start,
         condition_number=float(np.linalg.cond(R)),
     )
+
+
+def row_spacing(regression: Regression) -> float:
+    """Seconds between neighbouring rows of a joint; inf where there is one row."""
+    steps = np.diff(regression.time[regression.joint == regression.joint[0]])
+    return float(np.median(steps)) if len(steps) else np.inf
 
 
 def solve(W_w: np.ndarray, y_w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -97,9 +97,16 @@ def findings(run: Run) -> Html | None:
     return tag("ul", [tag("li", s) for s in sentences], class_="findings") if sentences else None
 
 
+def _error(found: dict) -> list[Html]:
+    """A failed stage: its message, and the traceback of a defect of ours folded below."""
+    trace = found.get("traceback")
+    folded = tag("details", tag("summary", "Traceback"), tag("pre", trace)) if trace else ""
+    return [tag("dt", found.get("stage", "")), tag("dd", found.get("message", ""), folded)]
+
+
 def errors(run: Run) -> Html | None:
     """The stages that failed, with their messages."""
     found = run.record.get("errors") or []
     if not found:
         return None
-    return tag("dl", [[tag("dt", e.get("stage", "")), tag("dd", e.get("message", ""))] for e in found], class_="errors")
+    return tag("dl", [_error(e) for e in found], class_="errors")

@@ -98,13 +98,18 @@ def fmu_path(name: str, folder: Path) -> Path:
 def read(session: Session, validation: bool = False) -> pd.DataFrame:
     """Read the measured run; DataError where the data are not there says where to get them."""
     data = session.experiment.data
-    path = Path(data.folder) / (data.validation if validation else data.identification)
+    path = data_folder(session) / (data.validation if validation else data.identification)
     if not path.is_file():
         hint = f"get it from {data.source}, then give" if data.source else "give"
         raise DataError(f"{path}: no such data file; {hint} its folder with --data")
     columns = {**data.columns, **(data.validation_columns if validation else {})}
     mapped = {name: _mapped(session, name, column) for name, column in columns.items()}
     return with_force(read_measured(path, mapped, data.rate, MIN_SAMPLES), session.binding.gain)
+
+
+def data_folder(session: Session) -> Path:
+    """Where the measured files are: `--data` as the shell knows it, or the experiment's own folder setting."""
+    return session.data or session.folder / session.experiment.data.folder
 
 
 def _mapped(session: Session, name: str, column: Column) -> ColumnSettings:

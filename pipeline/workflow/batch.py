@@ -54,9 +54,11 @@ def open_inverse_model(session: Session, frame: pd.DataFrame) -> Iterator[Invers
         yield probe(plant, *motion, seed=session.experiment.seed)
 
 
-def reference_excitation(session: Session, model: InverseModel) -> Excitation:
-    """How well the noise-free reference trajectory excites, weighted by the known noise of a simulated plant."""
+def reference_excitation(session: Session, model: InverseModel) -> Excitation | None:
+    """How well the noise-free reference trajectory excites, weighted by the known noise; None where that is 0."""
     settings, binding = session.experiment.simulation, session.binding
+    if not all(settings.sigma_u):
+        return None
     motion = sample(read_waypoints(session.folder / settings.identification), settings.rate)
     D, _ = model(motion.q, motion.qd, motion.qdd)
     W = D.transpose(1, 0, 2).reshape(-1, D.shape[2])

@@ -10,10 +10,12 @@ import sys
 from importlib.metadata import version
 from pathlib import Path
 
+import msgspec
+
 from pipeline import __version__
 from pipeline.paths import ROOT
 from pipeline.plant.fmu import open_fmu
-from pipeline.workflow.acquire import fmu_path
+from pipeline.workflow.acquire import data_folder, fmu_path
 from pipeline.workflow.session import Session
 
 PACKAGES = ("fmpy", "numpy", "scipy", "pandas", "filterpy", "control", "casadi", "rumoca", "bokeh")
@@ -47,11 +49,13 @@ def plant_entry(session: Session) -> dict:
             "interface": ekf.interface if ekf is not None else "ME",
             "rung": "A" if ekf is None or ekf.interface == "ME" else "C",
             "generation_tool": file.description.generationTool,
+            "binding": {**msgspec.to_builtins(session.binding), "folder": None},
         }
 
 
 def _fmus(session: Session) -> list[Path]:
-    return [session.binding.path, fmu_path(session.experiment.controller.fmu, session.folder)]
+    controller = session.experiment.controller
+    return [session.binding.path, *([fmu_path(controller.fmu, session.folder)] if controller is not None else [])]
 
 
 def _identity(path: Path) -> dict:
@@ -62,7 +66,7 @@ def _identity(path: Path) -> dict:
 def _data_files(session: Session) -> list[Path]:
     data, simulation = session.experiment.data, session.experiment.simulation
     if session.measured:
-        return [Path(data.folder) / name for name in (data.identification, data.validation)]
+        return [data_folder(session) / name for name in (data.identification, data.validation)]
     return [session.folder / name for name in (simulation.identification, simulation.validation)]
 
 

@@ -41,7 +41,7 @@ def experiment_entry(session: Session) -> dict:
         "joint_names": [j.name for j in joints],
         "position_unit": joints[0].position_unit,
         "force_unit": joints[0].force_unit,
-        "configuration": session.table,
+        "configuration": msgspec.to_builtins(e),
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
+from traceback import format_exception
 
 import pandas as pd
 
@@ -73,8 +74,8 @@ def identify(
     try:
         with open_inverse_model(session, frame) as model:
             items = _stages(session, model, frame, validation_frame, record, signals)
-    except FmuidError as error:
-        record["errors"].append({"stage": _running(session), "message": str(error), "exit_code": error.exit_code})
+    except Exception as error:  # whatever stops a stage, what was found before it must reach the page
+        record["errors"].append(_error_entry(_running(session), error))
         items.append(Item(f"stage {_running(session)}", None, None, "fail"))
     record["verdict"] = verdict(items)
     record["timing"] = {
@@ -84,6 +85,14 @@ def identify(
     record["provenance"] = provenance(session)
     record["findings"] = findings(record)
     return record, signals
+
+
+def _error_entry(stage: str, error: Exception) -> dict:
+    """A stage's failure; one that is no FmuidError is a defect of ours, and takes its traceback along."""
+    if isinstance(error, FmuidError):
+        return {"stage": stage, "message": str(error), "exit_code": error.exit_code}
+    message = f"internal error, please report it: {type(error).__name__}: {error}"
+    return {"stage": stage, "message": message, "exit_code": 4, "traceback": "".join(format_exception(error))}
 
 
 STAGES = ("data", "WLS and RLS", "EKF", "validation")
@@ -111,7 +120,8 @@ def _stages(
     signals |= tables
     record["excitation"] = entries.excitation_entry(batch.recommended.excitation)
     if not session.measured:
-        record["excitation"]["reference"] = entries.excitation_entry(reference_excitation(session, model))
+        reference = reference_excitation(session, model)
+        record["excitation"]["reference"] = None if reference is None else entries.excitation_entry(reference)
     filters, tests = {}, {}
     with session.stage("EKF"):
         if session.experiment.ekf is not None:

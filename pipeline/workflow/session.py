@@ -18,15 +18,16 @@ from pipeline.settings import Experiment, WlsSettings
 
 @dataclass(frozen=True)
 class Session:
-    """What every stage needs: the settings, the table they came from, the binding, the folder paths are relative to.
+    """What every stage needs: the settings, the binding, the folder that paths are relative to.
 
-    stages: CPU seconds by stage; narrate: called with a line for the user as each stage ends.
+    narrate: called with a line for the user as each stage ends; data: the folder of the measured files, where the
+    user gave one; stages: CPU seconds by stage.
     """
 
     experiment: Experiment
-    table: dict
     binding: Binding
     folder: Path
+    data: Path | None = None
     narrate: Callable[[str], None] = lambda text: None
     stages: dict[str, float] = field(default_factory=dict)
 
@@ -66,14 +67,18 @@ def open_session(
     overrides=(),
     narrate: Callable[[str], None] = lambda text: None,
     simulated: bool = False,
+    data: str | None = None,
 ) -> Session:
     """Load an experiment with `--set` overrides and its binding, and hold one against the other. Raises ConfigError.
 
-    simulated: leave measured data aside and use the experiment's [simulation].
+    simulated: leave measured data aside and use the experiment's [simulation]; data: the folder of the measured files.
     """
-    experiment, table = load_experiment(name_or_path, overrides, without=("data",) if simulated else ())
+    experiment = load_experiment(name_or_path, overrides, without=("data",) if simulated else ())
     folder = find_experiment(name_or_path).parent
-    session = Session(experiment, table, load_binding(experiment.plant, folder), folder, narrate)
+    if data is not None and experiment.data is None:
+        raise ConfigError(f"{experiment.name}: simulates its data, so --data has no use; add [data] or leave it out")
+    binding = load_binding(experiment.plant, folder)
+    session = Session(experiment, binding, folder, None if data is None else Path(data), narrate)
     _check_sizes(session)
     return session
 

@@ -74,8 +74,8 @@ def record():
         "(Pentium II).",
         "On the validation run EKF(3) known predicts the force best, to 4.02 % (noise alone: 4.01 %); WLS(1) is worst "
         "with 80.0 %.",
-        "The paper's conclusion, WLS is the better choice off line, holds in this run: WLS(3) predicts to 4.03 %, the "
-        "best filter (EKF(3) known) to 4.02 %; WLS does so at a lower cost and needs no start values.",
+        "Gautier and Poignet's conclusion, WLS is the better choice off line, holds in this run: WLS(3) predicts "
+        "to 4.03 %, the best filter (EKF(3) known) to 4.02 %; WLS does so at a lower cost and needs no start values.",
     ],
 )
 def test_sentences(record, sentence):
@@ -93,10 +93,10 @@ def test_a_variants_own_filters_are_told(record):
 
 
 def test_honest_sigmas_are_told_together(record):
-    told = [s for s in findings(record) if s.endswith("their sigma is honest.")]
+    told = [s for s in findings(record) if s.endswith("nothing contradicts their sigma.")]
     assert told == [
         "WLS(3), EKF(2) known and EKF(3) known: no parameter is more than 1.0 of their own sigma off the truth "
-        "(limit 4), their sigma is honest."
+        "(limit 4); nothing contradicts their sigma."
     ]
 
 

@@ -24,7 +24,7 @@ def measure() -> list[Figure]:
     """Every figure of the EMPS; one row that says so where the data are absent."""
     if not (DATA / "DATA_EMPS.mat").is_file():
         return [yes("EMPS data", False, f"none in {DATA}", "set FMUID_EMPS_DATA to their folder")]
-    record, _ = identify(open_session("emps", [f"data.folder={str(DATA)!r}"]))
+    record, _ = identify(open_session("emps", data=str(DATA)))
     if record["errors"]:
         return [yes("EMPS runs", False, record["errors"][0]["message"], "no error")]
     estimates, validation = record["estimates"], record["validation"]

@@ -119,13 +119,13 @@ def test_an_estimate_is_named_after_its_tuning_where_there_is_a_choice():
 
 
 def test_missing_data_say_where_to_get_them(tmp_path):
-    session = open_session("emps", [f"data.folder={str(tmp_path)!r}"])
+    session = open_session("emps", data=str(tmp_path))
     with pytest.raises(DataError, match=r"DATA_EMPS\.mat: no such data file; get it from the EMPS benchmark.*--data"):
         acquire(session)
 
 
 def test_the_measured_drive_gives_the_published_result(fmus, emps_data):
-    session = open_session("emps", [f"data.folder={str(emps_data)!r}", "ekf.case=[]"])
+    session = open_session("emps", ["ekf.case=[]"], data=str(emps_data))
     record, signals = identify(session)
     published = record["reference"]["tables"][0]["estimates"]["Published"]["parameters"]
     for name, p in record["estimates"]["WLS(published)"]["parameters"].items():

@@ -14,6 +14,8 @@ bool fail(Instance *c, const char *format, ...) {
     return false;
 }
 
+const char *not_finite(double value) { return isnan(value) ? "not a number" : "infinite"; }
+
 void reset(Instance *c) {
     memset(&c->memory, 0, sizeof c->memory);
     for (size_t i = 0; i < N_VALUES; i++) c->memory.values[i] = VARIABLES[i].start;
@@ -68,8 +70,8 @@ void derivatives(Instance *c, double time, const double *x, double *dx) {
 bool finite_derivatives(Instance *c, double time, const double *dx) {
     for (size_t i = 0; i < N_STATES; i++)
         if (!isfinite(dx[i]))
-            return fail(c, "%s is %g at time %g s: check parameters, inputs and states",
-                        VARIABLES[FIRST_DERIVATIVE + i].name, dx[i], time);
+            return fail(c, "%s is %s at time %g s: check parameters, inputs and states",
+                        VARIABLES[FIRST_DERIVATIVE + i].name, not_finite(dx[i]), time);
     return true;
 }
 

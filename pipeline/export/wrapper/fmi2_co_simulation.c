@@ -6,7 +6,11 @@
 fmi2Status fmi2DoStep(fmi2Component pointer, fmi2Real time, fmi2Real step, fmi2Boolean no_set_prior) {
     (void)no_set_prior;
     ENTER(STEP);
-    if (!(step >= 0)) {
+    if (!isfinite(time) || !isfinite(step)) {
+        fail(c, "the time or the communication step is %s", not_finite(time + step));
+        return report(component, fmi2Error, __func__);
+    }
+    if (step < 0) {
         fail(c, "the communication step is %g s at time %g s: it must not be negative", step, time);
         return report(component, fmi2Error, __func__);
     }
@@ -50,7 +54,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component pointer, const fmi2StatusKind kind, f
 }
 
 static fmi2Status no_status(fmi2Component pointer, const char *function) {
-    ENTER(ANY_MODE);
+    ENTER_AS(ANY_MODE, function);
     fail(c, "this status is known of asynchronous steps only");
     return report(component, fmi2Discard, function);
 }
@@ -66,11 +70,10 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component pointer, const fmi2StatusKind kind
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component pointer, const fmi2StatusKind kind, fmi2Boolean *value) {
-    if (kind == fmi2Terminated) {
-        *value = fmi2False;
-        return fmi2OK;
-    }
-    return no_status(pointer, __func__);
+    ENTER(ANY_MODE);
+    if (kind != fmi2Terminated) return no_status(pointer, __func__);
+    *value = fmi2False;
+    return fmi2OK;
 }
 
 fmi2Status fmi2GetStringStatus(fmi2Component pointer, const fmi2StatusKind kind, fmi2String *value) {

@@ -109,7 +109,7 @@ fmi2Status fmi2SetReal(fmi2Component pointer, const fmi2ValueReference vr[], siz
 
 static fmi2Status get_integers(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, int value[], Type type,
                                const char *function) {
-    ENTER(ANY_MODE);
+    ENTER_AS(ANY_MODE, function);
     for (size_t i = 0; i < n; i++) {
         double number;
         if (!get_values(c, vr + i, 1, type, &number)) return report(component, fmi2Error, function);
@@ -120,7 +120,7 @@ static fmi2Status get_integers(fmi2Component pointer, const fmi2ValueReference v
 
 static fmi2Status set_integers(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, const int value[],
                                Type type, const char *function) {
-    ENTER(ANY_MODE);
+    ENTER_AS(ANY_MODE, function);
     for (size_t i = 0; i < n; i++) {
         double number = type == BOOLEAN ? value[i] != 0 : value[i];
         if (!set_values(c, vr + i, 1, type, &number)) return report(component, fmi2Error, function);
@@ -145,7 +145,7 @@ fmi2Status fmi2SetBoolean(fmi2Component pointer, const fmi2ValueReference vr[], 
 }
 
 static fmi2Status no_strings(fmi2Component pointer, size_t n, const char *function) {
-    ENTER(ANY_MODE);
+    ENTER_AS(ANY_MODE, function);
     if (!n) return fmi2OK;
     fail(c, "%s has no String variables", MODEL_NAME);
     return report(component, fmi2Error, function);

@@ -44,6 +44,9 @@ typedef struct {
 /* Keep a message for the log. Always false, so that a check can end with it. */
 bool fail(Instance *c, const char *format, ...);
 
+/* What to say of a number that is infinite or none, whose printed form differs from machine to machine. */
+const char *not_finite(double value);
+
 /* evaluate.c */
 void reset(Instance *c);
 void changed(Instance *c);             /* a value was set */

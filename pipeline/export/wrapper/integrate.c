@@ -42,7 +42,7 @@ static bool step_with_events(Instance *c, double h) {
     for (int k = 0; k < MAX_EVENTS; k++) {
         double time = c->memory.time, low = 0, high = end - time;
         if (!(high > 0)) return true;
-        memcpy(x, X(c), sizeof x);
+        memcpy(x, X(c), N_STATES * sizeof *x);
         if (!runge_kutta(c, time, high, x, next)) return false;
         move(c, end, next);
         if (!switched(c)) return true;

@@ -59,7 +59,7 @@ bool set_values(Instance *c, const unsigned *references, size_t n, Type type, co
         const Variable *variable = &VARIABLES[reference];
         if (!(SETTABLE[variable->kind] & c->memory.mode))
             return fail(c, "%s cannot be set now: it is %s", variable->name, WHEN[variable->kind]);
-        if (!isfinite(values[i])) return fail(c, "%s cannot be set to %g", variable->name, values[i]);
+        if (!isfinite(values[i])) return fail(c, "%s cannot be set to what is %s", variable->name, not_finite(values[i]));
     }
     for (size_t i = 0; i < n; i++) c->memory.values[references[i]] = values[i];
     changed(c);
