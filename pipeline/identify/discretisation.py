@@ -28,16 +28,16 @@ def worst_shift(plant, fine, run: FilterRun, u: np.ndarray, tuning: Tuning, stri
     for k in steps:
         s, t, dt = run.x[k, :ns], run.time[k], run.time[k + 1] - run.time[k]
         error = plant.transition(s, u[k], chi, t, dt) - fine.transition(s, u[k], chi, t, dt)
-        squares.append(np.sum(_as_noise(fine, s, u[k], chi, t, dt, error, tuning) ** 2))
+        squares.append(np.sum(_as_noise(plant, s, u[k], chi, t, dt, error, tuning) ** 2))
     shared = 2.0 if tuning.input_noise else 1.0
     return float(np.sqrt(shared * np.mean(squares) * (len(run.time) - 1)))
 
 
-def _as_noise(fine, s, u, chi, t, dt, error: np.ndarray, tuning: Tuning) -> np.ndarray:
+def _as_noise(plant, s, u, chi, t, dt, error: np.ndarray, tuning: Tuning) -> np.ndarray:
     """The process noise, in its standard deviations, that moves the states (ns,) as the error does."""
     sigma = np.sqrt(tuning.q)
     if not tuning.input_noise:
         return error / sigma
-    model = linearise(fine, s, chi, u, t, dt, "central")
-    G = model.C / fine.binding.gain * sigma
+    model = linearise(plant, s, chi, u, t, dt, "forward")
+    G = model.C / plant.binding.gain * sigma
     return np.linalg.solve(np.hstack([model.A @ G, G]), error)

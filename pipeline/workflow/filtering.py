@@ -21,7 +21,7 @@ from pipeline.signals.frames import joint_columns
 from pipeline.workflow.batch import Batch
 from pipeline.workflow.session import Session
 
-FINER = 10
+FINER = 4
 """Times as many sub-steps as the filter's make the integration that its transition is held against."""
 
 

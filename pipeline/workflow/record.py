@@ -146,7 +146,9 @@ def with_sigma_reason(found: Filtered, test: Consistency | None) -> Filtered:
     reasons = []
     if found.shift is not None and found.shift > LIMIT:
         coarse = found.settings["transition"]
-        reasons.append(f"the transition by {coarse} may be off by {found.shift:.1f} sigma (limit {LIMIT:g}): refine it")
+        reasons.append(
+            f"the errors of the transition by {coarse} may add up to {found.shift:.2g} sigma (limit {LIMIT:g}): refine it"
+        )
     if test is not None and not test.ok:
         reasons.append(test.sentence)
     return replace(found, estimate=replace(found.estimate, sigma_reason="; ".join(reasons)))
