@@ -1,6 +1,7 @@
 """The wrapper: the FMI calls around the equations, wrong ones included."""
 
 import re
+from ctypes import CDLL, c_int, c_void_p
 from pathlib import Path
 from subprocess import run
 
@@ -9,6 +10,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
+from pipeline.export.build import WRAPPER
 from tests.export.language import archive_of
 
 OSCILLATOR = """
@@ -29,11 +31,23 @@ end M;
 """
 
 
+CODE = "".join(file.read_text() for file in sorted(WRAPPER.glob("fmi2_*.c")))
+FUNCTIONS = re.findall(r"^fmi2Status (fmi2\w+)\(fmi2Component pointer", CODE, re.MULTILINE)
+ERROR = 3
+
+
 @pytest.fixture(scope="module")
 def archive(tmp_path_factory):
     archive = archive_of(tmp_path_factory.mktemp("oscillator"), OSCILLATOR)
     yield archive
     archive.close()
+
+
+@pytest.fixture(scope="module")
+def library(archive):
+    """The FMU's library by itself: functions that take whatever is given."""
+    (path,) = Path(archive.folder).rglob("M.so")
+    return CDLL(str(path))
 
 
 def free(t, x0=0.5, v0=0.25, w=5.0):
@@ -133,7 +147,11 @@ WRONG = {
     "output": (lambda i: i.set(energy=1.0), "energy cannot be set now: it is computed by the equations"),
     "calculated": (lambda i: i.set(w2=1.0), "w2 cannot be set now: it is computed from other parameters"),
     "fixed": (lambda i: i.set(x_start=1.0), "x_start cannot be set now: it is a fixed parameter"),
-    "nan": (lambda i: i.set(u=np.nan), "u cannot be set to nan"),
+    "nan": (lambda i: i.set(u=np.nan), "u cannot be set to what is not a number"),
+    "negative nan": (lambda i: i.set(u=-np.nan), "u cannot be set to what is not a number"),
+    "infinity": (lambda i: i.set(u=-np.inf), "u cannot be set to what is infinite"),
+    "endless step": (lambda i: i.step(0.0, np.inf), "the time or the communication step is infinite"),
+    "no time": (lambda i: i.step(np.nan, 0.1), "the time or the communication step is not a number"),
     "another time": (lambda i: i.step(0.5, 0.1), "the step starts at 0.5 s, but the instance stands at 0 s"),
     "backwards": (lambda i: i.step(0.0, -0.1), "the communication step is -0.1 s at time 0 s"),
     "wrong mode": (lambda i: i.fmu.enterInitializationMode(), "not allowed in the state Step Mode"),
@@ -141,7 +159,7 @@ WRONG = {
         lambda i: i.fmu.getDirectionalDerivative([0], [0], [1.0]),
         "M provides no directional derivatives",
     ),
-    "singular": (lambda i: (i.set(m=0.0), i.step(0.0, 0.1)), r"der\(v\) is -?(inf|nan) at time 0 s: check parameters"),
+    "singular": (lambda i: (i.set(m=0.0), i.step(0.0, 0.1)), r"der\(v\) is not a number at time 0 s: check parameters"),
     "no internal step": (lambda i: (i.set(internalStep=0.0), i.step(0.0, 0.1)), "internalStep is 0 s"),
 }
 
@@ -157,10 +175,30 @@ def test_a_wrong_call_fails_with_one_message(archive, capfd, case):
         assert any(re.search(message, line) for line in lines), lines
 
 
-def test_derivatives_that_are_not_finite_are_discarded(archive, capfd):
+@pytest.mark.parametrize(
+    "x, words", [(np.nan, "not a number"), (-np.nan, "not a number"), (np.inf, "infinite"), (-np.inf, "infinite")]
+)
+def test_derivatives_that_are_not_finite_are_discarded(archive, capfd, x, words):
     with archive.model_exchange() as instance, pytest.raises(FMICallException, match="3|iscard"):
-        instance.rhs(0.25, [np.nan, 0.0])
-    assert "der(v) is nan at time 0.25 s" in capfd.readouterr().out
+        instance.rhs(0.25, [x, 0.0])
+    assert f"der(v) is {words} at time 0.25 s" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_no_function_works_without_an_instance(library, function):
+    assert library[function](None) == ERROR
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_a_call_in_a_wrong_mode_is_logged_under_its_own_name(archive, library, capfd, function):
+    """No mode is wrong for every function: here the first number of the instance, which is its mode, becomes 0."""
+    with archive.co_simulation() as instance:
+        mode = c_int.from_address(instance.fmu.component)
+        right, mode.value = mode.value, 0
+        status = library[function](c_void_p(instance.fmu.component))
+        mode.value = right
+    assert status == ERROR
+    assert f"{function}: not allowed in the state" in capfd.readouterr().out
 
 
 def test_a_failed_step_leaves_the_last_good_state(archive):
