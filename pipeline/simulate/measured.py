@@ -14,7 +14,7 @@ from pipeline.errors import ConfigError, DataError
 from pipeline.simulate.tables import Table, read_table
 from pipeline.units import conversion
 
-FRAME_COLUMN = re.compile(r"(q|qd|qr|qdr|u|tau|pulse)_[1-9]\d*")
+FRAME_COLUMN = re.compile(r"(q|qr|qdr|u|tau|pulse)_[1-9]\d*")
 RATE_TOLERANCE = 1e-3  # of the mean sample rate: ten times what two clocks differ by
 
 
@@ -56,10 +56,12 @@ def read_measured(
 def with_force(frame: pd.DataFrame, gain: Sequence[float]) -> pd.DataFrame:
     """The frame with tau_i = gain_i · u_i, or with u_i = tau_i / gain_i where only the force was measured.
 
-    gain (n,): N or N·m per unit of the plant's input. Raises DataError where joint i has neither column.
+    gain (n,): N or N·m per unit of the plant's input. Raises DataError where joint i has neither column, or both.
     """
     frame = frame.copy()
     for i, g in enumerate(gain, start=1):
+        if f"u_{i}" in frame and f"tau_{i}" in frame:
+            raise DataError(f"joint {i}: both `u_{i}` and `tau_{i}` are mapped, but tau = gain·u; map one of them")
         if f"u_{i}" in frame:
             frame[f"tau_{i}"] = g * frame[f"u_{i}"]
         elif f"tau_{i}" in frame:
@@ -103,7 +105,7 @@ def _check_mapping(columns: Mapping[str, ColumnSettings]) -> None:
     for name in columns:
         if name != "time" and not FRAME_COLUMN.fullmatch(name):
             raise ConfigError(
-                f"data column `{name}` is unknown; use time, q_1, u_1, tau_1, qr_1, qdr_1, qd_1 or pulse_1"
+                f"data column `{name}` is read by nothing; use time, q_1, u_1, tau_1, qr_1, qdr_1 or pulse_1"
             )
     for name in ("time", "q_1"):
         if name not in columns:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,10 +45,10 @@ class Waypoints:
 class Limits:
     """Limits per joint (n,): |q|, |qd|, |qdd| in rad or m and s, |tau| in N·m or N; None: not limited."""
 
-    q: np.ndarray | None = None
-    qd: np.ndarray | None = None
-    qdd: np.ndarray | None = None
-    tau: np.ndarray | None = None
+    q: Sequence[float] | None = None
+    qd: Sequence[float] | None = None
+    qdd: Sequence[float] | None = None
+    tau: Sequence[float] | None = None
 
 
 def evaluate(waypoints: Waypoints, t: np.ndarray) -> Trajectory:
@@ -85,7 +85,7 @@ def check_limits(
     """Refuse a trajectory that leaves its limits anywhere on a grid of `rate` Hz.
 
     force: (q, qd, qdd) each (N, n) → tau (N, n), the inverse model; needed where tau is limited.
-    Raises DataError naming joint, time, value and limit.
+    Raises DataError naming joint, time, value and limit; ConfigError where there is not one limit per joint.
     """
     motion = sample(waypoints, rate)
     signals = {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd}
@@ -95,8 +95,11 @@ def check_limits(
         signals["tau"] = force(motion.q, motion.qd, motion.qdd)
     for name, values in signals.items():
         limit = getattr(limits, name)
-        if limit is not None:
-            _check_limit(name, values, np.asarray(limit, float), motion.t)
+        if limit is None:
+            continue
+        if len(limit) != values.shape[1]:
+            raise ConfigError(f"limits of {name}: {len(limit)} for {values.shape[1]} joints; give one per joint")
+        _check_limit(name, values, np.asarray(limit, float), motion.t)
 
 
 def read_waypoints(path: str | os.PathLike) -> Waypoints:

@@ -197,7 +197,8 @@ def test_wrong_units_are_refused_with_the_column(tmp_path, unit, words):
     [
         ({"time": COLUMNS["time"]}, "`q_1` is not mapped"),
         ({"q_1": COLUMNS["q_1"]}, "`time` is not mapped"),
-        (COLUMNS | {"q1": COLUMNS["q_1"]}, "`q1` is unknown"),
+        (COLUMNS | {"q1": COLUMNS["q_1"]}, "`q1` is read by nothing; use time, q_1"),
+        (COLUMNS | {"qd_1": COLUMNS["q_1"]}, "`qd_1` is read by nothing"),
     ],
 )
 def test_wrong_mappings_are_refused(tmp_path, columns, words):
@@ -259,6 +260,12 @@ def test_a_truncated_mat_file_is_refused(tmp_path, data):
     whole = (tmp_path / "whole.mat").read_bytes()
     (tmp_path / "a.mat").write_bytes(whole[: data.draw(st.integers(1, len(whole) - 9))])
     refusal(tmp_path / "a.mat")
+
+
+def test_with_force_refuses_two_measurements_of_one_force():
+    frame = pd.DataFrame({"q_1": [0.0], "u_1": [2.0], "tau_1": [6.0]})
+    with pytest.raises(DataError, match="joint 1: both `u_1` and `tau_1` are mapped.*; map one"):
+        with_force(frame, [35.0])
 
 
 def test_with_force_applies_the_gain_either_way():

@@ -70,7 +70,10 @@ def test_sample_holds_both_ends():
 
 def test_check_limits_names_joint_time_value_and_limit():
     waypoints = Waypoints(np.array([0.0, 1.0]), np.array([[0.0, 0.0], [0.1, 1.0]]), *np.zeros((2, 2, 2)))
-    check_limits(waypoints, Limits(q=np.array([0.2, 1.0])))
+    check_limits(waypoints, Limits(q=[0.2, 1.0], qd=(2.0, 2.0), qdd=None))
+    for wrong in ([1.0], [1.0, 1.0, 1.0]):
+        with pytest.raises(ConfigError, match=f"limits of qd: {len(wrong)} for 2 joints"):
+            check_limits(waypoints, Limits(qd=wrong))
     with pytest.raises(DataError, match=r"joint 2 at t = 0\.\d+ s has q = 0\.5\d*, its limit is 0\.5"):
         check_limits(waypoints, Limits(q=np.array([0.2, 0.5])))
     with pytest.raises(DataError, match=r"joint 1 .* has tau = .*limit is 0\.01"):
