@@ -92,10 +92,10 @@ def build(
     return [made.get(name) or Built(name, out / f"{name}.fmu", 0.0, True) for name in inputs]
 
 
-def export(modelica: Path, model: str, path: Path, starts: Mapping[str, float]) -> Path:
+def export(modelica: Path, model: str, path: Path, starts: Mapping[str, float] | None = None) -> Path:
     """Export one class as an FMU (FMI 2.0, Model Exchange and Co-Simulation), named after the file."""
     with ONE_AT_A_TIME:
-        contents = write_contents(translate(load(modelica, model), dict(starts)), path.stem)
+        contents = write_contents(translate(load(modelica, model), starts), path.stem)
     return pack(contents, path)
 
 

@@ -85,6 +85,21 @@ def march(f, x, inputs, h):
     return np.array(states)
 
 
+def runge_kutta(f, x, inputs, h, n):
+    """States (N+1, n) under the held inputs (N, m) by the classical fourth-order method, n steps in h seconds."""
+    states, step = [np.asarray(x, dtype=float)], h / n
+    for u in inputs:
+        x = states[-1]
+        for _ in range(n):
+            k1 = np.array(f(x, u))
+            k2 = np.array(f(x + step / 2 * k1, u))
+            k3 = np.array(f(x + step / 2 * k2, u))
+            k4 = np.array(f(x + step * k3, u))
+            x = x + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        states.append(x)
+    return np.array(states)
+
+
 class SampledPD:
     """tau = sat(Kp (qr − q) + Kd (qdr − v)), v the backward Euler derivative; both joints at once."""
 

@@ -5,7 +5,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
 
-from tests.export.oracles import EMPS, SCARA, emps_rhs, march, scara_rhs
+from tests.export.oracles import EMPS, SCARA, emps_rhs, march, runge_kutta, scara_rhs
 from tests.modelica.sources import PACKAGE, snake_case
 
 NAMES = [snake_case(name) for name in (PACKAGE / "FMUs/package.order").read_text().split()]
@@ -81,14 +81,32 @@ def test_co_simulation_at_a_quarter_millisecond_is_within_1e_8_of_radau(archives
         assert np.abs(drive(instance, name, commands(name)) - references(name)).max() < 1e-8
 
 
-@pytest.mark.parametrize("name", PLANTS)
-def test_through_rough_reversals_positions_stay_within_1e_8(archives, references, name):
-    """A joint of 0.06 kg.m2 that a step throws through eps in a millisecond: there the velocity costs half the step."""
+@pytest.mark.parametrize(
+    ("name", "step", "velocity_error"),
+    [("scara", 2.5e-4, 3e-8), ("scara", 1.25e-4, 1e-8), ("emps", 2.5e-4, 1e-8)],
+    ids=["scara misses 1e-8", "scara at half the step", "emps"],
+)
+def test_through_rough_reversals_all_but_scaras_velocity_at_a_quarter_millisecond_meet_1e_8(
+    archives, references, name, step, velocity_error
+):
+    """A known miss, which `make figures` declares: 2.5e-8 rad/s of SCARA's velocity at 0.25 ms, where 1e-8 is asked.
+
+    A step of the torque throws a joint of 0.06 kg.m2 through eps in a millisecond. That this is the method's
+    truncation and nothing else, the next test shows; half the step meets the figure.
+    """
     n = len(PLANTS[name][2])
-    for step, velocity_error in ((2.5e-4, 1e-7), (1.25e-4, 1e-8)):
-        with archives(name).co_simulation(**PLANTS[name][1], internalStep=step) as instance:
-            error = np.abs(drive(instance, name, commands(name, "rough")) - references(name, "rough"))
-        assert error[:, :n].max() < 1e-8 and error[:, n:].max() < velocity_error
+    with archives(name).co_simulation(**PLANTS[name][1], internalStep=step) as instance:
+        error = np.abs(drive(instance, name, commands(name, "rough")) - references(name, "rough"))
+    assert error[:, :n].max() < 1e-8 and error[:, n:].max() < velocity_error
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_through_rough_reversals_co_simulation_is_runge_kutta_to_rounding(archives, name):
+    rhs, values, _, outputs = PLANTS[name]
+    with archives(name).co_simulation(**values, internalStep=2.5e-4) as instance:
+        found = drive(instance, name, commands(name, "rough"))
+    expected = runge_kutta(rhs(values), np.zeros(len(outputs)), commands(name, "rough"), H, round(H / 2.5e-4))
+    assert np.abs(found - expected).max() < 1e-12
 
 
 @pytest.mark.parametrize(("name", "coarse"), [("scara", 2.5e-4), ("emps", 1e-3)])

@@ -1,7 +1,7 @@
 """The wrapper: the FMI calls around the equations, wrong ones included."""
 
 import re
-from ctypes import CDLL, c_int, c_void_p
+from ctypes import CDLL, byref, c_int, c_void_p
 from pathlib import Path
 from subprocess import run
 
@@ -187,6 +187,11 @@ def test_derivatives_that_are_not_finite_are_discarded(archive, capfd, x, words)
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_no_function_works_without_an_instance(library, function):
     assert library[function](None) == ERROR
+
+
+def test_without_an_instance_it_is_unknown_whether_it_is_terminated(library):
+    terminated, value = 3, c_int()
+    assert library.fmi2GetBooleanStatus(None, terminated, byref(value)) == ERROR
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
