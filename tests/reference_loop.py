@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
-from pipeline.config import Filter, WlsSettings
 from pipeline.paths import EXPERIMENTS
+from pipeline.settings import Filter, WlsSettings
 from pipeline.simulate.trajectory import read_waypoints, sample
 from tests.closed_form import TRUTH, acceleration
 

@@ -120,6 +120,6 @@ def _mapped(session: Session, name: str, column: Column) -> ColumnSettings:
     if not joint.isdigit() or not 1 <= int(joint) <= session.binding.n:
         raise DataError(f"data column `{name}`: the plant has joints 1 to {session.binding.n}; name one of them")
     bound = session.binding.joint[int(joint) - 1]
-    units = {"q": bound.position_unit, "qr": bound.position_unit, "qd": bound.velocity_unit, "qdr": bound.velocity_unit}
+    units = {"q": bound.position_unit, "qr": bound.position_unit, "qdr": bound.velocity_unit}
     unit = units.get(quantity, bound.force_unit if quantity == "tau" else bound.input_unit)
     return ColumnSettings(column.source, column.unit, unit, column.scale, column.offset)

@@ -146,9 +146,8 @@ def with_sigma_reason(found: Filtered, test: Consistency | None) -> Filtered:
     reasons = []
     if found.shift is not None and found.shift > LIMIT:
         coarse = found.settings["transition"]
-        reasons.append(
-            f"the errors of the transition by {coarse} may add up to {found.shift:.2g} sigma (limit {LIMIT:g}): refine it"
-        )
+        size = f"{found.shift:.2g} sigma (limit {LIMIT:g})"
+        reasons.append(f"the errors of the transition by {coarse} may add up to {size}: refine it")
     if test is not None and not test.ok:
         reasons.append(test.sentence)
     return replace(found, estimate=replace(found.estimate, sigma_reason="; ".join(reasons)))
