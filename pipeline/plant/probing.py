@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.errors import IdentificationError
-from pipeline.plant.plant import ModelExchangePlant
+from pipeline.plant.model_exchange import ModelExchangePlant
 
 TOLERANCE = 1e-9  # of max|tau|: round-off leaves about 1e-13, a wrong model structure far more
 POINTS = 50

@@ -236,7 +236,7 @@ def covariance_figures() -> list[Figure]:
         _with_form("udu")
     return [
         at_most("EKF(3) known: UDUᵀ − Joseph, the same Jacobians, sigma", float(BothForms.distance), 1e-8),
-        at_most("EKF(3) known: UDUᵀ − Joseph, each with its own, at the end", own, 1e-6),
+        at_most("EKF(3) known: UDUᵀ − Joseph, each with its own, at the end", own, 1e-8),
     ]
 
 

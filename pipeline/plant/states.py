@@ -1,0 +1,40 @@
+"""What a plant FMU must be for states to be set by hand: positions and velocities, no other state, no branches."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.errors import FmuError
+from pipeline.plant.binding import Binding
+from pipeline.plant.fmu import Fmu
+
+
+def state_order(file: Fmu, binding: Binding) -> tuple[np.ndarray, int]:
+    """Where the continuous states of the FMU stand in [qd, q] (2n,), and their number. Hidden states are refused."""
+    states = [d.variable.derivative for d in file.description.derivatives]
+    index = {variable.name: i for i, variable in enumerate(states)}
+    wanted = [j.velocity_state or j.velocity for j in binding.joint]
+    wanted += [j.position_state or j.position for j in binding.joint]
+    for name in wanted:
+        if name not in index:
+            raise FmuError(
+                f"{file.path.name}: `{name}` is no continuous state; they are {', '.join(index)}: "
+                "name one as position_state or velocity_state in the binding"
+            )
+    hidden = [name for name in index if name not in wanted]
+    if hidden:
+        raise FmuError(
+            f"{file.path.name}: besides positions and velocities it has the states {', '.join(hidden)}; plants with "
+            "hidden states are not handled yet: export one without them"
+        )
+    return np.array([index[name] for name in wanted]), len(states)
+
+
+def refuse_events(file: Fmu) -> None:
+    """A relation keeps its branch between events (FMI 2.0.5, §3.1), so a state set by hand may be in the wrong one."""
+    count = file.description.numberOfEventIndicators or 0
+    if count:
+        raise FmuError(
+            f"{file.path.name}: {count} event indicators: its equations have branches that a filter cannot follow; "
+            "write them smoothly, for example sign(qd) as tanh(qd/eps)"
+        )
