@@ -133,7 +133,9 @@ def _write_csv(frame, output: str | None) -> None:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise DataError(f"{output or 'stdout'}: cannot be written ({error.strerror}); give another --output") from error
+        raise DataError(
+            f"{output or 'stdout'}: cannot be written ({error.strerror or error}); give another --output"
+        ) from error
 
 
 def _identify(arguments: argparse.Namespace) -> int:

@@ -204,7 +204,7 @@ class Experiment(Settings):
     wls: tuple[WlsSettings, ...]
     recommended: str
     controller: ControllerSettings | None = None
-    seed: int = 0
+    seed: Annotated[int, msgspec.Meta(ge=0)] = 0
     simulation: SimulationSettings | None = None
     data: DataSettings | None = None
     ekf: EkfSettings | None = None

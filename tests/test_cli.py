@@ -30,7 +30,7 @@ def test_help_names_the_commands_and_loads_nothing_heavy():
     [
         (["run", "scarra"], 2, "no experiment `scarra`"),
         (["run", "scara", "--set", "ekf.substep=8"], 2, "did you mean `substeps`?"),
-        (["run", "emps", "--data", "/nowhere"], 2, "no such data file; get it from the EMPS benchmark"),
+        (["run", "emps", "--data", "/nowhere"], 2, "no such data file in /nowhere; get it from the EMPS benchmark"),
         (["report", "nowhere"], 2, "not found"),
         (["simulate", "scara", "--set", "simulation.identification='none.csv'"], 2, "no such file"),
     ],

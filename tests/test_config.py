@@ -37,6 +37,7 @@ def test_an_override_reaches_its_place():
         ("ekf.method=heun", "Invalid enum value 'heun'"),
         ("wls.WLS(4).decimation=5", "nothing is called `WLS(4)` there"),
         ("seed", "want key=value"),
+        ("seed=-3", "Expected `int` >= 0 at `seed`"),
         ("recommended=WLS(9)", "recommended `WLS(9)` is none of the WLS variants"),
         ("data.folder='x'", "missing required field"),
         ("simulation.sigma_q=[0.001]", "simulation.sigma_q has 1 entries, the plant asks for 2"),

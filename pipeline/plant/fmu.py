@@ -16,9 +16,9 @@ import fmpy
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.model_description import ModelDescription, ScalarVariable
-from fmpy.simulation import instantiate_fmu
 
 from pipeline.errors import FmuError
+from pipeline.plant.log import callbacks, close_log, open_log
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 INTERFACES = {"ME": "ModelExchange", "CS": "CoSimulation"}
@@ -70,7 +70,7 @@ def open_fmu(path: str | os.PathLike) -> Fmu:
     """Open the FMU at `path`; FmuError in one line where it is missing, broken or of a version not handled."""
     path = Path(path)
     if not path.is_file():
-        raise FmuError(f"{path}: no such FMU; build ours with `fmuid build`, or correct the path in the binding")
+        raise FmuError(f"{path}: no such FMU; build ours with `fmuid build`, or correct its name")
     try:
         description = fmpy.read_model_description(str(path), validate=False)
     except zipfile.BadZipFile as error:
@@ -98,14 +98,24 @@ class Instance:
     def __init__(self, file: Fmu, interface: str, start: dict[str, float] | None = None):
         if not file.supports(interface):
             raise FmuError(f"{file.path.name}: offers no {INTERFACES[interface]}; choose the other interface")
-        self.file, self.interface, self.log = file, interface, []
+        self.file, self.interface = file, interface
+        self._name, self.log = open_log(file.name)
         working_directory = os.getcwd()
+        kind, offered = {
+            "ME": (FMU2Model, file.description.modelExchange),
+            "CS": (FMU2Slave, file.description.coSimulation),
+        }[interface]
         try:
-            self.fmu: FMU2Model | FMU2Slave = instantiate_fmu(
-                str(file.folder), file.description, INTERFACES[interface], logger=self._logged
+            self.fmu: FMU2Model | FMU2Slave = kind(
+                guid=file.description.guid,
+                modelIdentifier=offered.modelIdentifier,
+                unzipDirectory=str(file.folder),
+                instanceName=self._name,
             )
+            self.fmu.instantiate(callbacks=callbacks)
         except Exception as error:  # fmpy: bare Exception for a missing or unloadable library
             os.chdir(working_directory)
+            close_log(self._name)
             raise FmuError(f"{file.path.name}: cannot be instantiated ({_one_line(error)})") from error
         self.dll: CDLL = self.fmu.dll
         self.component = self.fmu.component
@@ -113,7 +123,7 @@ class Instance:
             try:
                 self.initialize(start)
             except FmuError:
-                self.fmu.freeInstance()
+                self.__exit__()
                 raise
 
     def __enter__(self) -> Instance:
@@ -121,6 +131,7 @@ class Instance:
 
     def __exit__(self, *exc) -> None:
         self.fmu.freeInstance()
+        close_log(self._name)
 
     def initialize(self, start: dict[str, float] | None = None, t0: float = 0.0) -> None:
         """Run initialisation at t0 (s) with `start` values by variable name (FMI 2.0.5, §3.2.3, §4.2.4)."""
@@ -159,10 +170,6 @@ class Instance:
     def last_message(self) -> str:
         """The FMU's last log message in brackets, or ""."""
         return f" ({self.log[-1]})" if self.log else ""
-
-    def _logged(self, environment, name, status, category, message) -> None:
-        text = (message or b"").decode("utf-8", "replace")
-        self.log[:] = [*self.log[-19:], "".join(c if c.isprintable() else " " for c in text)[:300]]
 
 
 def _one_line(error: Exception) -> str:

@@ -101,7 +101,7 @@ def read(session: Session, validation: bool = False) -> pd.DataFrame:
     path = data_folder(session) / (data.validation if validation else data.identification)
     if not path.is_file():
         hint = f"get it from {data.source}, then give" if data.source else "give"
-        raise DataError(f"{path}: no such data file; {hint} its folder with --data")
+        raise DataError(f"{path.name}: no such data file in {path.parent}; {hint} its folder with --data")
     columns = {**data.columns, **(data.validation_columns if validation else {})}
     mapped = {name: _mapped(session, name, column) for name, column in columns.items()}
     return with_force(read_measured(path, mapped, data.rate, MIN_SAMPLES), session.binding.gain)

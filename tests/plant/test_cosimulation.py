@@ -97,3 +97,12 @@ def test_an_opened_fmu_is_left_to_its_owner(fmu):
             assert first.file is second.file is file
         assert Path(file.folder).is_dir()
         first.close()
+
+
+def test_each_instance_gets_its_own_messages(fmus):
+    """The plant fails while the controller's instance is the newer one: the reason must still be the plant's."""
+    with Slave(fmus / "scara.fmu", {"ZZR1": 0.0, "ZZ2": 0.0}) as plant, Slave(fmus / "scara_controller.fmu"):
+        plant.port(["tau_1", "tau_2"]).write(np.array([5.0, 1.0]))
+        with pytest.raises(FmuError, match=r"scara\.fmu: fmi2DoStep .* is not a number"):
+            for k in range(50):
+                plant.step(0.01 * k, 0.01)

@@ -120,7 +120,9 @@ def test_an_estimate_is_named_after_its_tuning_where_there_is_a_choice():
 
 def test_missing_data_say_where_to_get_them(tmp_path):
     session = open_session("emps", data=str(tmp_path))
-    with pytest.raises(DataError, match=r"DATA_EMPS\.mat: no such data file; get it from the EMPS benchmark.*--data"):
+    with pytest.raises(
+        DataError, match=r"DATA_EMPS\.mat: no such data file in .*; get it from the EMPS benchmark.*--data"
+    ):
         acquire(session)
 
 
