@@ -6,6 +6,7 @@ from ctypes import byref
 from itertools import count
 
 from fmpy import calloc, free
+from fmpy.fmi1 import printLogMessage
 from fmpy.fmi2 import (
     fmi2CallbackAllocateMemoryTYPE,
     fmi2CallbackFreeMemoryTYPE,
@@ -32,7 +33,9 @@ def close_log(name: str) -> None:
 
 def _logged(environment, name, status, category, message) -> None:
     log = _logs.get((name or b"").decode("utf-8", "replace"))
-    if log is not None:
+    if log is None:  # an instance that fmpy's own functions made: its messages go where they would have gone
+        printLogMessage(environment, name, status, category, message)
+    else:
         text = (message or b"").decode("utf-8", "replace")
         log[:] = [*log[1 - KEPT :], "".join(c if c.isprintable() else " " for c in text)[:LENGTH]]
 
