@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.errors import IdentificationError
+from pipeline.errors import FmuError, IdentificationError
 from pipeline.plant.model_exchange import ModelExchangePlant
 
 TOLERANCE = 1e-9  # of max|tau|: round-off leaves about 1e-13, a wrong model structure far more
@@ -46,6 +46,29 @@ class InverseModel:
 
     def torque(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, chi: np.ndarray) -> np.ndarray:
         """tau (N, n) that gives the accelerations qdd (N, n) at q, qd (N, n) with parameters chi (p of the plant,)."""
+        free, J = self._response(q, qd, chi)
+        try:
+            return np.linalg.solve(J, (qdd - free)[..., None])[..., 0]
+        except np.linalg.LinAlgError:
+            raise IdentificationError(
+                "the mass matrix is singular somewhere on the data: check the a-priori values"
+            ) from None
+
+    def mass_is_positive(self, q: np.ndarray, qd: np.ndarray, theta: np.ndarray) -> bool:
+        """Whether the mass matrix is positive definite at q, qd (N, n) with the probed parameters theta (p,).
+
+        If it is not, theta is no robot: most often the sign of the force, or of a position, is wrong in the data.
+        """
+        chi = self._chi0.copy()
+        chi[self._active] = theta
+        try:
+            _, J = self._response(q, qd, chi)
+        except FmuError:  # a mass matrix without an inverse gives no acceleration
+            return False
+        return bool(np.linalg.eigvalsh(J + J.transpose(0, 2, 1)).min() > 0.0)
+
+    def _response(self, q: np.ndarray, qd: np.ndarray, chi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """qdd (N, n) without a force, and J (N, n, n) = ∂qdd/∂tau, the inverse of the mass matrix."""
         gain, step = self._plant.binding.gain, TORQUE_STEP * self._plant.binding.u_range
         free = self._plant.accelerations(q, qd, np.zeros_like(step), chi)
         J = np.empty((*q.shape, q.shape[1]))
@@ -53,12 +76,7 @@ class InverseModel:
             u = np.zeros_like(step)
             u[j] = step[j]
             J[:, :, j] = (self._plant.accelerations(q, qd, u, chi) - free) / (gain[j] * step[j])
-        try:
-            return np.linalg.solve(J, (qdd - free)[..., None])[..., 0]
-        except np.linalg.LinAlgError:
-            raise IdentificationError(
-                "the mass matrix is singular somewhere on the data: check the a-priori values"
-            ) from None
+        return free, J
 
 
 def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, seed: int = 0) -> InverseModel:

@@ -23,6 +23,9 @@ from pipeline.signals.frames import filter_frame, joint_columns
 from pipeline.simulate.trajectory import read_waypoints, sample
 from pipeline.workflow.session import Session
 
+STRIDE = 25
+"""Every how-many-th sample the mass matrix is looked at."""
+
 
 @dataclass(frozen=True)
 class Batch:
@@ -36,12 +39,13 @@ class Batch:
 
 @dataclass(frozen=True)
 class BatchStage:
-    """All variants by name, the recommended one's RLS and essential parameters."""
+    """All variants by name; the recommended one's RLS and essential parameters, and whether its mass is positive."""
 
     variants: dict[str, Batch]
     recommended: Batch
     rls: Estimate
     essential: Essential | None
+    mass_is_positive: bool
 
 
 @contextmanager
@@ -79,7 +83,9 @@ def run_batch(session: Session, frame: pd.DataFrame, model: InverseModel) -> Bat
         kept = essential(best.regression, units)
     except IdentificationError:
         kept = None
-    return BatchStage(variants, best, rls(best.regression, units), kept)
+    q, qd = (best.filtered[joint_columns(c, session.binding.n)].to_numpy()[::STRIDE] for c in ("q", "qd"))
+    positive = model.mass_is_positive(q, qd, best.estimate.theta)
+    return BatchStage(variants, best, rls(best.regression, units), kept, positive)
 
 
 def run_variant(session: Session, frame: pd.DataFrame, model: InverseModel, settings: WlsSettings) -> Batch:

@@ -24,6 +24,7 @@ def judge(
     limits, name = session.experiment.limits, session.experiment.recommended
     best = batch.recommended
     items = [holds(f"{name} solved", best.estimate.status == OK)]
+    items.append(holds(f"{name} mass matrix positive all along the motion", batch.mass_is_positive))
     items.append(holds(f"{name} residual white enough for sigma", not best.estimate.sigma_reason, "warn"))
     excitation = {"W": best.excitation.condition_number_W, "Phi": best.excitation.condition_number_Phi}
     for which, value in excitation.items():

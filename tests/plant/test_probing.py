@@ -9,7 +9,7 @@ from pipeline.errors import IdentificationError
 from pipeline.plant.binding import load_binding
 from pipeline.plant.plant import open_plant
 from pipeline.plant.probing import probe
-from tests.closed_form import NAMES, regressor
+from tests.closed_form import NAMES, TRUTH, regressor
 
 RNG = np.random.default_rng(1)
 Q, QD, QDD = RNG.uniform(-2, 2, (300, 2)), RNG.uniform(-4, 4, (300, 2)), RNG.uniform(-20, 20, (300, 2))
@@ -23,6 +23,17 @@ def test_the_probed_regressor_is_the_closed_form(fmus):
     assert model.names == NAMES and not model.held
     assert np.max(np.abs(D - expected)) <= 1e-9 * np.max(np.abs(expected))
     assert np.max(np.abs(y0)) <= 1e-9 * np.max(np.abs(expected))
+
+
+def test_a_mass_matrix_that_is_no_mass_is_seen(fmus):
+    with open_plant(load_binding(str(fmus / "scara.toml")), "probe") as plant:
+        model = probe(plant, Q, QD, QDD)
+        assert model.mass_is_positive(Q, QD, TRUTH)
+        assert not model.mass_is_positive(Q, QD, -TRUTH), "the force's sign is wrong"
+        beyond = TRUTH.copy()
+        beyond[4] = 1.1 * np.sqrt(TRUTH[0] * TRUTH[3])
+        assert not model.mass_is_positive(Q, QD, beyond), "LMX2² > ZZR1·ZZ2: negative in some poses"
+        assert not model.mass_is_positive(Q, QD, 0.0 * TRUTH)
 
 
 def test_smooth_friction_is_another_regressor(fmus):
