@@ -12,10 +12,10 @@ from fmpy.fmi2 import FMU2Model, FMU2Slave
 class Archive:
     """An unpacked FMU: `path`, its `description`, `states` and `derivatives` by name in the order of Model Exchange."""
 
-    def __init__(self, path):
+    def __init__(self, path, folder=None):
         self.path = path
         self.description = fmpy.read_model_description(str(path), validate=False)
-        self.folder = fmpy.extract(str(path))
+        self.folder = fmpy.extract(str(path), None if folder is None else str(folder))
         self.references = {v.name: v.valueReference for v in self.description.modelVariables}
         self.derivatives = [u.variable.name for u in self.description.derivatives]
         self.states = [u.variable.derivative.name for u in self.description.derivatives]

@@ -1,6 +1,7 @@
 """Small Modelica models for the tests of the exporter, translated or exported from their text."""
 
 from pathlib import Path
+from tempfile import mkdtemp
 
 import casadi as ca
 
@@ -24,7 +25,8 @@ def model_of(folder: Path, text: str, model: str = "M", **start_values):
 
 def archive_of(folder: Path, text: str, model: str = "M", **start_values) -> Archive:
     """The FMU of a model in a text, unpacked."""
-    return Archive(write_fmu(model_of(folder, text, model, **start_values), folder / "fmus" / f"{model}.fmu"))
+    path = write_fmu(model_of(folder, text, model, **start_values), folder / "fmus" / f"{model}.fmu")
+    return Archive(path, mkdtemp(prefix=f"{model}-", dir=folder))
 
 
 def integers(instance, *names: str) -> list[int]:
