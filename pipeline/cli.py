@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import signal
 import sys
 
 from pipeline import __version__
@@ -18,10 +19,14 @@ EXIT_CODES = (
 
 def main(argv: list[str] | None = None) -> int:
     """Run `fmuid`; returns the exit code. Every error a user can meet is one line on stderr."""
+    for threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(threads, "1")  # the matrices are small: threads only spin, and spoil CPU times
     arguments = _parser().parse_args(argv)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that every folder is removed on the way out
     try:
         code = arguments.command(arguments)
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
         return code
     except FmuidError as error:
         print(f"fmuid: {error}", file=sys.stderr)
@@ -32,6 +37,12 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:  # the reader has seen enough (| head); nothing more may be flushed at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        print(
+            f"fmuid: {error.filename or 'output'}: {error.strerror or error}; check permissions and room",
+            file=sys.stderr,
+        )
+        return 2
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -146,6 +157,7 @@ def _identify(arguments: argparse.Namespace) -> int:
     record, _ = identify(_session(arguments))
     record = plain(record)
     print(json.dumps(record["estimates"]) if arguments.json else estimates_text(record))
+    _tell_errors(record)
     return exit_code(record)
 
 
@@ -160,7 +172,13 @@ def _run(arguments: argparse.Namespace) -> int:
     else:
         print(verdict_text(record))
         print(page)
+    _tell_errors(record)
     return exit_code(record)
+
+
+def _tell_errors(record: dict) -> None:
+    for error in record["errors"]:
+        _narrate(f"fmuid: {error['stage']}: {error['message']}")
 
 
 def exit_code(record: dict) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import re
 import tomllib
 from collections.abc import Sequence
@@ -113,10 +114,20 @@ def _child(node: Any, part: str, override: str) -> Any:
 
 def convert(table: dict, kind: type[Settings], where: str):
     """A table as a settings object of type `kind`; ConfigError names the file, the key and the nearest known key."""
+    _refuse_non_finite(table, where)
     try:
         return msgspec.convert(copy.deepcopy(table), kind)
     except msgspec.ValidationError as error:
         raise ConfigError(f"{where}: {_explain(str(error), kind)}") from None
+
+
+def _refuse_non_finite(value: Any, where: str, key: str = "") -> None:
+    """TOML knows nan and inf; no setting does."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for name, item in items:
+        _refuse_non_finite(item, where, f"{key}.{name}" if key else str(name))
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ConfigError(f"{where}: `{key}` is {value}; give a finite number")
 
 
 def _explain(message: str, kind: type[Settings]) -> str:
@@ -168,6 +179,9 @@ def _check(experiment: Experiment, where: str) -> None:
         raise ConfigError(f"{where}: recommended `{experiment.recommended}` is none of the WLS variants {names}")
     if experiment.simulation is None and experiment.data is None:
         raise ConfigError(f"{where}: no data: give [simulation] or [data]")
+    data = experiment.data
+    if data is not None and data.validation == data.identification:
+        raise ConfigError(f"{where}: data.validation is the identification record itself; give another motion")
     for case in experiment.ekf.case if experiment.ekf else ():
         if bool(case.chi0) == (case.wls_factor is not None):
             raise ConfigError(f"{where}: {case.name}: give exactly one of chi0 and wls_factor")

@@ -9,6 +9,8 @@ import msgspec
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0)]
 Count = Annotated[int, msgspec.Meta(ge=1)]
+NotNegativeCount = Annotated[int, msgspec.Meta(ge=0)]
+Substeps = Annotated[int, msgspec.Meta(ge=1, le=1000)]
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -38,7 +40,7 @@ class WlsSettings(Settings):
     position: Filter
     parallel: Filter
     decimation: Count = 1
-    border: tuple[int, int] = (0, 0)
+    border: tuple[NotNegativeCount, NotNegativeCount] = (0, 0)
     half_sample: bool = True
 
 
@@ -118,7 +120,7 @@ class EkfCase(Settings):
     R: tuple[Positive, ...] = ()
     Q: tuple[NotNegative, ...] = ()
     method: Literal["euler", "rk4"] | None = None
-    substeps: Count | None = None
+    substeps: Substeps | None = None
 
     def called(self, tuning: str) -> str:
         """Name of the estimate: the paper's tuning, and one without an alternative, bear the case's bare name."""
@@ -137,7 +139,7 @@ class EkfSettings(Settings):
     recommended: str = ""
     start_at_rest: bool = True
     method: Literal["euler", "rk4"] = "rk4"
-    substeps: Count = 4
+    substeps: Substeps = 4
     interface: Literal["ME", "CS"] = "ME"
     jacobian: Literal["forward", "central"] = "forward"
     covariance: Literal["udu", "joseph"] = "udu"
@@ -147,17 +149,17 @@ class ClosedLoopSettings(Settings):
     """The re-simulation of the identified model in closed loop: which estimate, and the rows cut at both ends."""
 
     estimate: str
-    border: tuple[int, int] = (0, 0)
+    border: tuple[NotNegativeCount, NotNegativeCount] = (0, 0)
 
 
 class LimitSettings(Settings):
-    """Limits of the verdict; one that is absent is not judged."""
+    """Limits of the verdict. Those with a default are always judged, the others where they are given."""
 
-    condition_number_W: float | None = None
+    condition_number_W: float = 1000.0
     condition_number_Phi: float | None = None
     relative_sigma_percent: float | None = None
     truth_sigmas: float | None = None
-    force_error_percent: float | None = None
+    force_error_percent: float = 30.0
     above_noise_floor_percent: float | None = None
     closed_loop_position_percent: float | None = None
     closed_loop_force_percent: float | None = None
@@ -204,7 +206,7 @@ class Experiment(Settings):
     wls: tuple[WlsSettings, ...]
     recommended: str
     controller: ControllerSettings | None = None
-    seed: Annotated[int, msgspec.Meta(ge=0)] = 0
+    seed: NotNegativeCount = 0
     simulation: SimulationSettings | None = None
     data: DataSettings | None = None
     ekf: EkfSettings | None = None

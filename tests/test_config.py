@@ -102,3 +102,14 @@ def test_a_variable_bound_twice_is_refused(tmp_path):
 
 def test_the_drive_gain_stands_in_the_binding():
     assert gains_of_bindings() == {"emps": {"G": 35.1507}, "emps_closed_loop": {"G": 35.1507}}
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf"])
+def test_no_setting_is_nan_or_infinite(value):
+    with pytest.raises(ConfigError, match=r"`ekf\.case\.3\.wls_factor` is -?(nan|inf); give a finite number"):
+        load_experiment("scara", [f"ekf.case.3.wls_factor={value}"])
+
+
+def test_a_record_cannot_validate_itself():
+    with pytest.raises(ConfigError, match="the identification record itself"):
+        load_experiment("emps", ["data.validation='DATA_EMPS.mat'"])

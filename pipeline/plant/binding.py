@@ -147,6 +147,8 @@ def check_binding(binding: Binding, file: Fmu) -> None:
         _expect(file, joint.input, "input", joint.input_unit)
         _expect(file, joint.position, None, joint.position_unit)
         _expect(file, joint.velocity, None, joint.velocity_unit)
+        _expect(file, joint.position_state or joint.position, None, joint.position_unit)
+        _expect(file, joint.velocity_state or joint.velocity, None, joint.velocity_unit)
         if joint.gain_parameter:
             _expect(file, joint.gain_parameter, "parameter", joint.gain_unit)
     for parameter in binding.parameter:
@@ -158,7 +160,9 @@ def check_binding(binding: Binding, file: Fmu) -> None:
 def _expect(file: Fmu, name: str, causality: str | None, unit: str) -> None:
     variable = file.variable(name)
     if causality is not None and variable.causality != causality:
-        raise FmuError(f"{file.path.name}: `{name}` is a {variable.causality} there, the binding wants a {causality}")
+        raise FmuError(
+            f"{file.path.name}: `{name}` is of causality {variable.causality} there, the binding wants {causality}"
+        )
     declared = variable.unit or (variable.declaredType.unit if variable.declaredType is not None else None)
     if declared is not None and declared != unit:
         raise FmuError(

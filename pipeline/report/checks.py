@@ -127,7 +127,7 @@ def _histogram(run: Run, base: tuple[str, str], residual: np.ndarray) -> Panel:
     width = float(edges[1] - edges[0])
     x = np.linspace(edges[0], edges[-1], 121)
     bell = len(values) * width * np.exp(-0.5 * ((x - values.mean()) / spread) ** 2) / (spread * np.sqrt(2 * np.pi))
-    kurtosis = float(np.mean(((values - values.mean()) / spread) ** 4))
+    kurtosis = float(np.mean(((values - values.mean()) / spread) ** 4)) - 3.0
     return Panel(
         key=f"{base[0]}-h",
         title=f"{base[1]}, histogram",
@@ -135,7 +135,7 @@ def _histogram(run: Run, base: tuple[str, str], residual: np.ndarray) -> Panel:
         x_label=with_unit("Residual", run.force_unit),
         y_label="Samples",
         summary=f"{len(values):,} samples, {len(values) - heights.sum()} of them beyond ±4σ,"
-        f" kurtosis {number(kurtosis, 3)} (normal: 3).",
+        f" excess kurtosis {number(kurtosis, 3)} (normal: 0).",
         caption="Good: the bars follow the curve. Bad: long tails (outliers, friction reversals) or two humps.",
     )
 

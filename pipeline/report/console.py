@@ -8,9 +8,8 @@ def verdict_text(record: dict) -> str:
     verdict = record["verdict"]
     lines = [f"{verdict['status'].upper()}  {record['title']}"]
     for item in verdict["items"]:
-        if item["status"] != "pass":
+        if item["status"] != "pass" and not item["name"].startswith("stage "):
             lines.append(f"  {item['status']}: {item['name']}: {_number(item['value'])}, limit {_limit(item['limit'])}")
-    lines += [f"  error in {e['stage']}: {e['message']}" for e in record["errors"]]
     return "\n".join(lines)
 
 
@@ -28,7 +27,6 @@ def estimates_text(record: dict) -> str:
             sigma = "" if p["sigma"] is None else f" ± {p['sigma']:.2g}"
             lines.append(f"  {parameter:<8}{p['value']:>12.5g}{sigma} {p['unit']}")
         lines.append("")
-    lines += [f"error in {e['stage']}: {e['message']}" for e in record["errors"]]
     return "\n".join(lines).rstrip()
 
 

@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -99,7 +100,8 @@ def write_text(path: Path, text: str) -> None:
     except OSError as error:
         raise DataError(f"file {path}: {error.strerror or error}; nothing was changed, make room first") from error
     finally:
-        fresh.unlink(missing_ok=True)
+        with suppress(OSError):
+            fresh.unlink(missing_ok=True)
 
 
 def _fill(fresh: Path, text: str, signals: Mapping[str, pd.DataFrame]) -> None:

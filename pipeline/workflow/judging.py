@@ -12,6 +12,9 @@ from pipeline.workflow.filtering import Filtered
 from pipeline.workflow.session import Session
 from pipeline.workflow.validating import ValidationStage
 
+HOPELESS = 100.0
+"""A condition number this many times its limit is no result that could be used with care."""
+
 
 def judge(
     session: Session,
@@ -30,18 +33,26 @@ def judge(
     for which, value in excitation.items():
         limit = getattr(limits, f"condition_number_{which}")
         if limit is not None:
-            items.append(at_most(f"{name} condition number of {which}", value, limit, "warn"))
+            beyond = "fail" if value is None or value > HOPELESS * limit else "warn"
+            items.append(at_most(f"{name} condition number of {which}", value, limit, beyond))
     if limits.relative_sigma_percent is not None:
         worst = float(np.max(best.estimate.relative_sigma_percent))
         items.append(at_most(f"{name} largest relative sigma in %", worst, limits.relative_sigma_percent, "warn"))
+    failed = [n for n, f in filters.items() if f.estimate.status != OK and n != _recommended(session)]
+    if session.measured:
+        items.append(holds("every filter succeeded", not failed, "warn"))
     items += _against_truth(session, {name: best.estimate, **_named(session, filters)})
     items += _consistent(session, filters, tests)
     return items + ([] if validation is None else _validated(session, validation))
 
 
 def _named(session: Session, filters: dict[str, Filtered]) -> dict[str, Estimate]:
-    name = session.experiment.ekf.recommended if session.experiment.ekf else ""
+    name = _recommended(session)
     return {name: filters[name].estimate} if name in filters else {}
+
+
+def _recommended(session: Session) -> str:
+    return session.experiment.ekf.recommended if session.experiment.ekf else ""
 
 
 def _against_truth(session: Session, estimates: dict[str, Estimate]) -> list[Item]:
@@ -72,9 +83,10 @@ def _validated(session: Session, validation: ValidationStage) -> list[Item]:
     limits, name = session.experiment.limits, session.experiment.recommended
     items = []
     error = validation.errors["validation"][name]["total"]
-    if limits.force_error_percent is not None:
-        items.append(at_most(f"{name} force error on the validation run in %", error, limits.force_error_percent))
-    if limits.above_noise_floor_percent is not None:
+    items.append(at_most(f"{name} force error on the validation run in %", error, limits.force_error_percent))
+    if validation.failure:
+        items.append(holds("closed loop simulated", False))
+    if validation.noise_floor and limits.above_noise_floor_percent is not None:
         above = 100.0 * (error / validation.noise_floor["total"] - 1.0)
         items.append(at_most(f"{name} force error above the noise floor in %", above, limits.above_noise_floor_percent))
     for signal in ("position", "force"):

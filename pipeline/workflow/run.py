@@ -13,7 +13,7 @@ from pipeline.assess.comparison import findings
 from pipeline.assess.consistency import consistency
 from pipeline.assess.verdict import Item, verdict
 from pipeline.config import slug
-from pipeline.errors import FmuidError
+from pipeline.errors import FmuError, FmuidError
 from pipeline.paths import REPORTS
 from pipeline.plant.probing import InverseModel
 from pipeline.report.page import write_page
@@ -136,6 +136,10 @@ def _stages(
         estimates |= {name: f.estimate for name, f in filters.items()}
         validation = validate(session, model, batch, estimates, frame, validation_frame)
     record["validation"] = entries.validation_entry(validation)
+    if validation.failure:
+        record["errors"].append(
+            {"stage": "closed loop", "message": validation.failure, "exit_code": FmuError.exit_code}
+        )
     signals["validation"] = entries.prediction_signals(validation)
     signals |= {f"closed_loop_{name}": loop for name, loop in validation.loops.items()}
     return judge(session, batch, filters, tests, validation)

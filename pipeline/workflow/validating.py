@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.assess.validation import Prediction, noise_floor, predict, relative_error
-from pipeline.errors import ConfigError
+from pipeline.errors import ConfigError, FmuError
 from pipeline.identify.regression import regression
 from pipeline.plant.probing import InverseModel
 from pipeline.records import OK, Estimate, Regression
@@ -24,7 +24,7 @@ class ValidationStage:
     """Errors in % by run and estimate on the recommended filters, and by run for each WLS variant on its own.
 
     noise_floor: what noise alone leaves on the validation run; predictions: of the validation run, by estimate;
-    closed_loop: errors by run and signal; loops: measured and simulated signals by run.
+    closed_loop: errors by run and signal; loops: measured and simulated signals by run; failure: why there are none.
     """
 
     errors: dict[str, dict[str, dict[str, float]]]
@@ -33,6 +33,7 @@ class ValidationStage:
     predictions: dict[str, Prediction]
     closed_loop: dict[str, dict[str, float]]
     loops: dict[str, pd.DataFrame]
+    failure: str = ""
 
 
 def validate(
@@ -55,10 +56,16 @@ def validate(
     }
     truth = None if session.truth is None else session.binding.select(session.truth, model.names)
     floor = noise_floor(system, truth, validation, session.rate, session.recommended)
-    loops = _closed_loops(session, estimates, identification, validation)
+    if truth is None and floor["total"] > min(p.errors["total"] for p in predictions.values()):
+        floor = {}  # a guess above what is left over is no floor
+    loops, failure = {}, ""
+    try:
+        loops = _closed_loops(session, estimates, identification, validation)
+    except FmuError as error:
+        failure = f"{error}; the identified parameters may be no robot's"
     closed_loop = {run: _loop_errors(loop, session.binding.n) for run, loop in loops.items()}
     return ValidationStage(
-        errors, _own_errors(session, model, batch, validation), floor, predictions, closed_loop, loops
+        errors, _own_errors(session, model, batch, validation), floor, predictions, closed_loop, loops, failure
     )
 
 
@@ -115,7 +122,10 @@ def _closed_loop(session: Session, frame: pd.DataFrame, chi: np.ndarray, border:
         columns |= {f"q_{i}": frame[f"q_{i}"], f"q_{i} [simulated]": simulated[f"q_true_{i}"]}
         columns |= {f"qd_{i}": filtered[f"qd_{i}"], f"qd_{i} [simulated]": simulated[f"qd_true_{i}"]}
         columns |= {f"tau_{i}": frame[f"tau_{i}"], f"tau_{i} [simulated]": simulated[f"tau_{i}"]}
-    return pd.DataFrame(columns).iloc[border[0] : len(frame) - border[1]]
+    kept = pd.DataFrame(columns).iloc[border[0] : len(frame) - border[1]]
+    if kept.empty:
+        raise ConfigError(f"closed_loop.border {list(border)} leaves none of {len(frame)} samples; cut fewer")
+    return kept
 
 
 def _loop_errors(loop: pd.DataFrame, n: int) -> dict[str, float]:

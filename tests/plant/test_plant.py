@@ -98,7 +98,7 @@ def test_accelerations_in_a_batch_are_the_derivatives(scara):
     ("old", "new", "message"),
     [
         ('input = "tau_1"', 'input = "taul_1"', "no variable `taul_1`; nearest: tau_1"),
-        ('input = "tau_1"', 'input = "q_1"', "`q_1` is a output there, the binding wants a input"),
+        ('input = "tau_1"', 'input = "q_1"', "`q_1` is of causality output there, the binding wants input"),
         (
             'unit = "kg.m2"\na_priori = 3.42',
             'unit = "g.m2"\na_priori = 3.42',

@@ -3,9 +3,11 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pipeline.errors import DataError
+from pipeline.paths import EXPERIMENTS
 from pipeline.report.record import read_run
 from pipeline.workflow.acquire import acquire, simulate
 from pipeline.workflow.run import _free, identify, run
@@ -142,3 +144,27 @@ def test_the_measured_drive_gives_the_published_result(fmus, emps_data):
         for signal, limit in zip(("position", "velocity", "force"), limits, strict=True):
             assert loop[name][signal] < limit
     assert "closed_loop_validation" in signals
+
+
+def test_a_robot_at_standstill_is_no_pass(fmus, tmp_path):
+    """Nothing but noise: WLS solves, and what it finds is worth nothing."""
+    rng = np.random.default_rng(0)
+    time = np.arange(2501) / 100.0
+    for name in ("one.csv", "two.csv"):
+        noise = {f"{c}_{i}": s * rng.normal(size=len(time)) for i in (1, 2) for c, s in (("q", 1e-3), ("u", 0.05))}
+        pd.DataFrame({"t": time, **noise}).to_csv(tmp_path / name, index=False)
+    columns = {c: {"source": c, "unit": "rad" if c[0] == "q" else "N.m"} for c in ("q_1", "q_2", "u_1", "u_2")}
+    text = (EXPERIMENTS / "scara.toml").read_text()
+    lines = ["[data]", 'identification = "one.csv"', 'validation = "two.csv"', "rate = 100.0", "[data.columns]"]
+    lines += ['time = { source = "t", unit = "s" }']
+    lines += [f'{c} = {{ source = "{v["source"]}", unit = "{v["unit"]}" }}' for c, v in columns.items()]
+    (tmp_path / "still.toml").write_text(text + "\n" + "\n".join(lines) + "\n")
+    record, _ = identify(open_session(str(tmp_path / "still.toml"), ["ekf.case=[]"]))
+    assert record["verdict"]["status"] == "fail"
+
+
+def test_a_force_of_the_wrong_sign_is_no_pass(fmus, emps_data):
+    session = open_session("emps", ["data.columns.u_1.scale=-1.0", "ekf.case=[]", "limits={}"], data=str(emps_data))
+    record, _ = identify(session)
+    items = {item["name"]: item["status"] for item in record["verdict"]["items"]}
+    assert items["WLS(house) mass matrix positive all along the motion"] == "fail"
