@@ -9,7 +9,7 @@ import signal
 import sys
 
 from pipeline import __version__
-from pipeline.errors import FmuidError
+from pipeline.errors import DataError, FmuidError
 
 EXIT_CODES = (
     "exit codes: 0 pass, 1 a limit of the verdict is violated, 2 usage, configuration or data, "
@@ -137,8 +137,6 @@ def _simulate(arguments: argparse.Namespace) -> int:
 
 
 def _write_csv(frame, output: str | None) -> None:
-    from pipeline.errors import DataError
-
     try:
         frame.to_csv(output or sys.stdout)
     except BrokenPipeError:
@@ -194,8 +192,13 @@ def _report(arguments: argparse.Namespace) -> int:
     from pipeline.paths import REPORTS
     from pipeline.report.page import write_page
 
-    folder = Path(arguments.run)
-    page = write_page(folder if folder.is_dir() else REPORTS / arguments.run)
+    folder = Path(arguments.run) if Path(arguments.run).is_dir() else REPORTS / arguments.run
+    try:
+        page = write_page(folder)
+    except FmuidError:
+        raise
+    except (LookupError, TypeError, AttributeError, ValueError) as error:  # a record that another hand has changed
+        raise DataError(f"run {folder}: its record is damaged ({error!r:.120}); run the experiment again") from error
     print(json.dumps({"report": str(page)}) if arguments.json else page)
     return 0
 

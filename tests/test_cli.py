@@ -93,3 +93,13 @@ def test_a_failed_stage_has_its_own_exit_code_and_still_a_page(fmus, tmp_path):
     result = fmuid("run", "scara", "--output", str(tmp_path / "run"), *QUICK, "--set", "wls.WLS(3).border=[2000, 2000]")
     assert result.returncode == 2 and "leaves none of 2501 samples" in result.stderr
     assert (tmp_path / "run" / "index.html").is_file()
+
+
+def test_a_damaged_record_is_one_line(fmus, tmp_path):
+    folder = tmp_path / "run"
+    fmuid("run", "scara", "--output", str(folder), *QUICK)
+    record = json.loads((folder / "result.json").read_text())
+    record["estimates"]["WLS(3)"]["parameters"]["ZZR1"] = "x"
+    (folder / "result.json").write_text(json.dumps(record))
+    result = fmuid("report", str(folder))
+    assert result.returncode == 2 and "its record is damaged" in result.stderr and result.stderr.count("\n") == 1
