@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from fmpy.validation import validate_fmu
-from scipy.integrate import solve_ivp
 
 from pipeline.export.build import build
 from pipeline.paths import FMUS
 from pipeline.plant.binding import gains_of_bindings
 from tests.export.driver import Archive
 from tests.export.oracles import march
-from tests.export.test_fmus import NAMES, PLANTS, STATES, H, commands, drive
+from tests.export.test_fmus import NAMES, PLANTS, H, by_model_exchange, commands, drive
 from tests.figures.figure import Figure, at_most, yes
 
 
@@ -41,21 +40,8 @@ def _accuracy(archive: Archive, name: str) -> list[Figure]:
         for what, columns in (("position", slice(None, n)), ("velocity", slice(n, None))):
             title = f"{name}: Co-Simulation, {kind} reversals, {what}, at 0.25 ms"
             rows.append(at_most(title, float(error[:, columns].max()), 1e-8))
-    found = _by_model_exchange(archive, name)
+    found = by_model_exchange(archive, name)
     return [*rows, at_most(f"{name}: Model Exchange, rough reversals", float(np.abs(found - exact).max()), 1e-7)]
-
-
-def _by_model_exchange(archive: Archive, name: str) -> np.ndarray:
-    values, inputs = PLANTS[name][1:3]
-    order = [archive.states.index(s) for s in STATES[name]]
-    with archive.model_exchange(**values) as instance:
-        x = instance.continuous_states()
-        rows = [x[order]]
-        for k, u in enumerate(commands(name, "rough")):
-            instance.set(**dict(zip(inputs, u, strict=True)))
-            x = solve_ivp(instance.rhs, (k * H, (k + 1) * H), x, method="LSODA", rtol=1e-11, atol=1e-12).y[:, -1]
-            rows.append(x[order])
-    return np.array(rows)
 
 
 def _replay(archive: Archive, name: str) -> Figure:
