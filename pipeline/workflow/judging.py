@@ -35,7 +35,7 @@ def judge(
         if limit is not None:
             beyond = "fail" if value is None or value > HOPELESS * limit else "warn"
             items.append(at_most(f"{name} condition number of {which}", value, limit, beyond))
-    if limits.relative_sigma_percent is not None:
+    if limits.relative_sigma_percent is not None and not best.estimate.sigma_reason:  # a withheld sigma proves nothing
         worst = float(np.max(best.estimate.relative_sigma_percent))
         items.append(at_most(f"{name} largest relative sigma in %", worst, limits.relative_sigma_percent, "warn"))
     failed = [n for n, f in filters.items() if f.estimate.status != OK and n != _recommended(session)]
@@ -61,6 +61,8 @@ def _against_truth(session: Session, estimates: dict[str, Estimate]) -> list[Ite
         return []
     items = []
     for name, e in estimates.items():
+        if e.sigma_reason:  # withheld, and warned of where it was withheld
+            continue
         true = session.binding.select(truth, e.names)
         value = float(np.max(np.abs(e.theta - true) / e.sigma)) if e.covariance is not None else None
         items.append(at_most(f"{name} largest distance from the truth in sigma", value, limit))
