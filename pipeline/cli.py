@@ -9,7 +9,7 @@ import signal
 import sys
 
 from pipeline import __version__
-from pipeline.errors import DataError, FmuidError
+from pipeline.errors import ConfigError, DataError, FmuidError
 
 EXIT_CODES = (
     "exit codes: 0 pass, 1 a limit of the verdict is violated, 2 usage, configuration or data, "
@@ -58,6 +58,9 @@ def _parser() -> argparse.ArgumentParser:
     build.add_argument("names", nargs="*", metavar="NAME", help="FMUs to build, for example scara (default: all)")
     build.add_argument("--force", action="store_true", help="build even what is up to date")
     build.add_argument("--json", action="store_true", help="print the result as JSON")
+    build.add_argument("--modelica", metavar="DIR", help="other sources: the folder of a package, or a .mo file")
+    build.add_argument("--model", metavar="PKG.MODEL", help="the one class to export, by its full name")
+    build.add_argument("--output", metavar="FILE", help="the FMU of --model (default: <model_in_snake_case>.fmu here)")
     build.set_defaults(command=_build)
 
     simulate = _experiment_command(commands, "simulate", "simulate the closed loop and write the measured frame as CSV")
@@ -108,11 +111,7 @@ def _narrate(text: str) -> None:
 
 
 def _build(arguments: argparse.Namespace) -> int:
-    from pipeline.export.build import build
-    from pipeline.paths import FMUS
-    from pipeline.plant.binding import gains_of_bindings
-
-    built = build(arguments.names or None, FMUS, gains_of_bindings(), force=arguments.force, report=_narrate)
+    built = [_build_foreign(arguments)] if arguments.modelica or arguments.model else _build_own(arguments)
     if arguments.json:
         print(
             json.dumps(
@@ -123,6 +122,28 @@ def _build(arguments: argparse.Namespace) -> int:
         for b in built:
             print(f"{b.path}  {'up to date' if b.skipped else f'built in {b.seconds:.1f} s'}")
     return 0
+
+
+def _build_own(arguments: argparse.Namespace) -> list:
+    from pipeline.export.build import build
+    from pipeline.paths import FMUS
+    from pipeline.plant.binding import gains_of_bindings
+
+    if arguments.output:
+        raise ConfigError("--output names the FMU of one --model: give that too")
+    return build(arguments.names or None, FMUS, gains_of_bindings(), force=arguments.force, report=_narrate)
+
+
+def _build_foreign(arguments: argparse.Namespace):
+    from pathlib import Path
+
+    from pipeline.export.foreign import build_foreign
+    from pipeline.paths import MODELICA
+
+    if arguments.names:
+        raise ConfigError(f"{' '.join(arguments.names)}: with --modelica give the class by --model")
+    modelica = Path(arguments.modelica) if arguments.modelica else MODELICA
+    return build_foreign(modelica, arguments.model, Path(arguments.output) if arguments.output else None)
 
 
 def _simulate(arguments: argparse.Namespace) -> int:

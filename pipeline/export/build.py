@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -95,13 +96,18 @@ def build(
 def export(modelica: Path, model: str, path: Path, starts: Mapping[str, float] | None = None) -> Path:
     """Export one class as an FMU (FMI 2.0, Model Exchange and Co-Simulation), named after the file."""
     with ONE_AT_A_TIME:
-        contents = write_contents(translate(load(modelica, model), starts), path.stem)
+        contents = write_contents(translate(load(modelica, model), starts), library_name(path))
     return pack(contents, path)
 
 
 def write_fmu(model: Model, path: Path) -> Path:
     """The FMU of a sorted model."""
-    return pack(write_contents(model, path.stem), path)
+    return pack(write_contents(model, library_name(path)), path)
+
+
+def library_name(path: Path) -> str:
+    """The modelIdentifier of an FMU in this file: its stem as a C identifier."""
+    return re.sub(r"\W|^(?=\d)", "_", path.stem, flags=re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -123,7 +129,7 @@ def write_contents(model: Model, name: str) -> Contents:
 def pack(contents: Contents, path: Path) -> Path:
     """Compile the sources and write the archive."""
     folder, suffix = platform()
-    library = path.stem + suffix
+    library = library_name(path) + suffix
     files = {f"sources/{file}": text.encode() for file, text in contents.sources.items()}
     files["modelDescription.xml"] = contents.description.encode()
     files[f"binaries/{folder}/{library}"] = compile_sources(contents.sources, library, path.with_suffix(".log"))

@@ -9,9 +9,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from shutil import copy
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from pipeline.errors import ExportError
+from pipeline.export.frontend_process import compile_model
 from pipeline.export.redeclare import lost_modifiers
 
 SCHEMA = 43
@@ -103,20 +106,39 @@ def find_span(entry: Any) -> dict[str, int] | None:
 
 
 def load(path: Path, model: str) -> Source:
-    """Compile `model` of the package in `path` to its DAE; ExportError where a part of it cannot be exported."""
-    import rumoca
+    """Compile `model` to its DAE; ExportError where a part of it cannot be exported.
 
-    try:
-        compiled = rumoca.Session().load(str(path / "package.mo" if path.is_dir() else path), model=model)
-        dae, flat = compiled.to_dict("dae"), compiled.to_dict("flat")
-    except rumoca.RumocaError as error:
-        first = " ".join(str(error).split())
-        raise ExportError(f"{model}: the Modelica front end refuses it: {first}") from error
+    path: a folder with package.mo, a folder of .mo files, or a .mo file, of which nothing beside it is read.
+    """
+    with TemporaryDirectory(prefix="fmuid-") as alone:
+        file = _main_file(path, Path(alone).resolve())
+        compiled = compile_model(file, model)
+    if "error" in compiled:
+        error = compiled["error"].replace(f"{file.parent}/", "")
+        raise ExportError(f"{model}: the Modelica front end refuses it: {error}")
+    return read_compiled(model, compiled["dae"], compiled["flat"], file)
+
+
+def _main_file(path: Path, alone: Path) -> Path:
+    """The file to hand to the front end, which reads on its own what stands beside it."""
+    if path.is_dir():
+        package = path.resolve() / "package.mo"
+        files = [package] if package.is_file() else sorted(path.resolve().glob("*.mo"))
+        if not files:
+            raise ExportError(f"{path}: no package.mo and no other .mo file in it; give the folder of a package")
+        return files[0]
+    if path.suffix != ".mo" or not path.is_file():
+        raise ExportError(f"{path}: no such folder or .mo file; give the folder of a package, or a .mo file")
+    return Path(copy(path, alone))
+
+
+def read_compiled(model: str, dae: dict[str, Any], flat: dict[str, Any], file: Path) -> Source:
+    """The Source of what the front end compiled from `file`, checked."""
     if dae["schema_version"] != SCHEMA:
         raise ExportError(
             f"{model}: the front end's DAE has schema {dae['schema_version']}, not {SCHEMA}: install rumoca==0.10.2"
         )
-    folder = f"{path.resolve().parent}/"
+    folder = f"{file.parent.parent if file.name == 'package.mo' else file.parent}/"
     files = {key: (name.removeprefix(folder), text) for key, name, text in dae["source_map"]["files"]}
     source = Source(model, dae["storage"], flat, files)
     check_complete(source)

@@ -4,23 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
-CLASS = r"(?:model|block|package|record|type|connector|function|class)"
-HEAD = re.compile(rf"\b{CLASS}\s+(?:extends\s+)?(\w+)\b(?!\s*[=(])")
+from pipeline.export.classes import CLASS, ClassText, find_classes, hide
+
 REDECLARE = re.compile(rf"\bredeclare\s+(?:(?:final|replaceable|partial)\s+)*{CLASS}\s+\w+\s*=\s*[\w.]+\s*\(")
-HIDDEN = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\])*\"", re.DOTALL)
 WORD = re.compile(r"\w+")
-
-
-@dataclass(frozen=True)
-class ClassText:
-    """A class in a file: its name and where its text begins and ends."""
-
-    name: str
-    file: int
-    start: int
-    end: int
 
 
 def lost_modifiers(model: str, files: Mapping[int, tuple[str, str]]) -> Iterator[tuple[str, int]]:
@@ -29,9 +17,7 @@ def lost_modifiers(model: str, files: Mapping[int, tuple[str, str]]) -> Iterator
     files: name and text by number. A class is used if a used class names it: an overestimate, which refuses too much
     rather than too little.
     """
-    codes = {
-        key: HIDDEN.sub(lambda match: re.sub(r"[^\n]", " ", match.group()), text) for key, (_, text) in files.items()
-    }
+    codes = {key: hide(text) for key, (_, text) in files.items()}
     classes = [found for key, code in codes.items() for found in find_classes(key, code)]
     used = used_classes(model.rsplit(".", 1)[-1], classes, codes)
     for key, code in codes.items():
@@ -43,14 +29,6 @@ def lost_modifiers(model: str, files: Mapping[int, tuple[str, str]]) -> Iterator
             before = code[inner.start : match.start()]
             if before.count("(") > before.count(")"):
                 yield files[key][0], code.count("\n", 0, match.start()) + 1
-
-
-def find_classes(file: int, code: str) -> Iterator[ClassText]:
-    """Every class with an `end` of its own in a text without comments and strings."""
-    for match in HEAD.finditer(code):
-        end = re.compile(rf"\bend\s+{match.group(1)}\s*;").search(code, match.end())
-        if end:
-            yield ClassText(match.group(1), file, match.start(), end.end())
 
 
 def used_classes(first: str, classes: list[ClassText], codes: Mapping[int, str]) -> set[str]:
