@@ -4,43 +4,45 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
-from ctypes import POINTER, c_double, c_uint
 from os import PathLike
 
 import numpy as np
 
 from pipeline.errors import FmuError
-from pipeline.plant.fmu import Fmu, Instance, open_fmu
+from pipeline.plant.fmu import REAL, Fmu, Instance, open_fmu
+from pipeline.plant.references import References
 
 
 class Port:
     """Some Real variables of a slave, resolved once: `write` sets them, `read` gets them, through one reused buffer."""
 
-    def __init__(self, slave: Slave, names: Sequence[str]):
-        self._slave, self.names = slave, tuple(names)
-        references = [_real(slave.file, name) for name in names]
-        self._references = (c_uint * len(names))(*references)
-        self._buffer = np.zeros(len(names))
-        self._pointer = self._buffer.ctypes.data_as(POINTER(c_double))
+    def __init__(self, slave: Slave, instance: Instance, names: Sequence[str]):
+        for name in names:
+            _check_real(slave.file, name)
+        self._slave, self._instance, self.names = slave, instance, tuple(names)
+        self._variables = References(instance, names)
 
     def write(self, values: np.ndarray) -> None:
         """Set the variables to values (n,); NaN is refused before the FMU sees it."""
-        self._buffer[:] = values
-        self._check_finite("is given")
-        self._slave.checked("fmi2SetReal", self._references, len(self.names), self._pointer)
+        self._check_finite("is given", np.asarray(values, float))
+        status = self._variables.set(values)
+        if status:
+            self._instance.check(status, self._instance.calls.set.__name__[4:], self._slave.t)
 
     def read(self) -> np.ndarray:
         """The variables' values (n,), a copy; FmuError where one is not finite."""
-        self._slave.checked("fmi2GetReal", self._references, len(self.names), self._pointer)
-        self._check_finite("became")
-        return self._buffer.copy()
+        status = self._variables.get()
+        if status:
+            self._instance.check(status, self._instance.calls.get.__name__[4:], self._slave.t)
+        self._check_finite("became", self._variables.buffer)
+        return self._variables.buffer.copy()
 
-    def _check_finite(self, verb: str) -> None:
-        finite = np.isfinite(self._buffer)
+    def _check_finite(self, verb: str, values: np.ndarray) -> None:
+        finite = np.isfinite(values)
         if not finite.all():
             k = int(np.argmin(finite))
             raise FmuError(
-                f"{self._slave.file.path.name}: `{self.names[k]}` {verb} {self._buffer[k]} at t = {self._slave.t:g} s; "
+                f"{self._slave.file.path.name}: `{self.names[k]}` {verb} {values[k]} at t = {self._slave.t:g} s; "
                 "check start values, parameters and the step"
             )
 
@@ -58,7 +60,7 @@ class Slave(AbstractContextManager):
         self._instance, self.t = None, t0
         try:
             for name in start or {}:
-                _real(self.file, name)
+                _check_real(self.file, name)
             self._instance = Instance(self.file, "CS")
             self._instance.initialize(dict(start or {}), t0)
         except BaseException:
@@ -70,18 +72,13 @@ class Slave(AbstractContextManager):
 
     def port(self, names: Sequence[str]) -> Port:
         """The variables called `names`, to be read or written together."""
-        return Port(self, names)
+        return Port(self, self._instance, names)
 
     def step(self, t: float, dt: float) -> None:
         """Advance from the communication point t to t + dt (s); t = t0 + k·dt keeps errors from piling up."""
         self.t = t
-        self.checked("fmi2DoStep", t, dt, 1)
+        self._instance.check(self._instance.calls.do_step(t, dt), "DoStep", t)
         self.t = t + dt
-
-    def checked(self, function: str, *arguments) -> None:
-        """Call a function of the FMU's library on this instance; FmuError naming FMU, call and time unless it is OK."""
-        instance = self._instance
-        instance.check(getattr(instance.dll, function)(instance.component, *arguments), function, self.t)
 
     def close(self) -> None:
         """Free the instance, and the FMU's folder where the slave opened it; harmless when repeated."""
@@ -93,8 +90,7 @@ class Slave(AbstractContextManager):
             owned.__exit__(None, None, None)
 
 
-def _real(file: Fmu, name: str) -> int:
+def _check_real(file: Fmu, name: str) -> None:
     variable = file.variable(name)
-    if variable.type != "Real":
+    if variable.type not in REAL:
         raise FmuError(f"{file.path.name}: `{name}` is of type {variable.type}; only Real variables can be coupled")
-    return variable.valueReference

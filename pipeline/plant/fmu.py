@@ -7,20 +7,23 @@ import os
 import shutil
 import tempfile
 import zipfile
-from ctypes import CDLL
+from ctypes import byref, c_double, c_uint
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from xml.etree import ElementTree
 
 import fmpy
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from pipeline.errors import FmuError
-from pipeline.plant.log import callbacks, close_log, open_log
+from pipeline.plant.fmi2 import Fmi2
+from pipeline.plant.fmi3 import Fmi3
+from pipeline.plant.log import close_log, open_log
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+VERSIONS = {"2.0": Fmi2, "3.0": Fmi3}
+REAL = ("Real", "Float64")
 INTERFACES = {"ME": "ModelExchange", "CS": "CoSimulation"}
 
 
@@ -47,6 +50,11 @@ class Fmu:
         """The file's name without `.fmu`."""
         return self.path.stem
 
+    @property
+    def version(self) -> str:
+        """The FMI version: "2.0" or "3.0"."""
+        return self.description.fmiVersion[:3]
+
     def variable(self, name: str) -> ScalarVariable:
         """The variable called `name`; FmuError with the nearest names where there is none."""
         table = {v.name: v for v in self.description.modelVariables}
@@ -65,6 +73,16 @@ class Fmu:
         field = {"ME": "modelExchange", "CS": "coSimulation"}[interface]
         return getattr(self.description, field) is not None
 
+    def directional(self, interface: str) -> bool:
+        """Whether the FMU says that it provides directional derivatives by "ME" or "CS".
+
+        Read from the file: fmpy knows the flag by its name of FMI 2.0, and 3.0 has it in the plural.
+        """
+        root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
+        element = root.find(INTERFACES[interface])
+        flags = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
+        return element is not None and any(element.get(flag) in ("true", "1") for flag in flags)
+
 
 def open_fmu(path: str | os.PathLike) -> Fmu:
     """Open the FMU at `path`; FmuError in one line where it is missing, broken or of a version not handled."""
@@ -77,8 +95,8 @@ def open_fmu(path: str | os.PathLike) -> Fmu:
         raise FmuError(f"{path}: not a zip archive ({error}); an FMU is one, so get the file again") from error
     except Exception as error:  # fmpy raises bare Exception for whatever a description may hold
         raise FmuError(f"{path}: its model description cannot be read ({_one_line(error)})") from error
-    if description.fmiVersion != "2.0":
-        raise FmuError(f"{path}: FMI {description.fmiVersion} is not handled yet; export the plant as FMI 2.0")
+    if description.fmiVersion[:3] not in VERSIONS:
+        raise FmuError(f"{path}: FMI {description.fmiVersion} is not handled; export the plant as FMI 2.0 or 3.0")
     folder = Path(tempfile.mkdtemp(prefix=f"fmuid-{path.stem}-"))
     try:
         fmpy.extract(str(path), str(folder))
@@ -89,10 +107,10 @@ def open_fmu(path: str | os.PathLike) -> Fmu:
 
 
 class Instance:
-    """A loaded instance of an FMI 2.0 FMU; freed at the end of its `with`. Given `start`, it is initialised with it.
+    """A loaded instance of an FMU; freed at the end of its `with`. Given `start`, it is initialised with it.
 
-    `fmu` is fmpy's object (its methods raise), `dll` the shared library for calls in a hot loop (they return a
-    status, to be checked with `check`), `component` the instance's pointer, `log` the FMU's last messages.
+    `calls` are the raw calls of its FMI version (they return a status, to be checked with `check`), `log` holds the
+    FMU's last messages.
     """
 
     def __init__(self, file: Fmu, interface: str, start: dict[str, float] | None = None):
@@ -101,24 +119,12 @@ class Instance:
         self.file, self.interface = file, interface
         self._name, self.log = open_log(file.name)
         working_directory = os.getcwd()
-        kind, offered = {
-            "ME": (FMU2Model, file.description.modelExchange),
-            "CS": (FMU2Slave, file.description.coSimulation),
-        }[interface]
         try:
-            self.fmu: FMU2Model | FMU2Slave = kind(
-                guid=file.description.guid,
-                modelIdentifier=offered.modelIdentifier,
-                unzipDirectory=str(file.folder),
-                instanceName=self._name,
-            )
-            self.fmu.instantiate(callbacks=callbacks)
+            self.calls = VERSIONS[file.version](file.description, interface, str(file.folder), self._name, self.log)
         except Exception as error:  # fmpy: bare Exception for a missing or unloadable library
             os.chdir(working_directory)
             close_log(self._name)
             raise FmuError(f"{file.path.name}: cannot be instantiated ({_one_line(error)})") from error
-        self.dll: CDLL = self.fmu.dll
-        self.component = self.fmu.component
         if start is not None:
             try:
                 self.initialize(start)
@@ -130,41 +136,48 @@ class Instance:
         return self
 
     def __exit__(self, *exc) -> None:
-        self.fmu.freeInstance()
+        self.calls.free()
         close_log(self._name)
 
     def initialize(self, start: dict[str, float] | None = None, t0: float = 0.0) -> None:
-        """Run initialisation at t0 (s) with `start` values by variable name (FMI 2.0.5, §3.2.3, §4.2.4)."""
-        self.call("setupExperiment", startTime=t0)
-        for name, value in (start or {}).items():
-            self.call("setReal", [self.file.reference(name)], [value])
-        self.call("enterInitializationMode")
-        self.call("exitInitializationMode")
+        """Run initialisation at t0 (s) with `start` values by variable name (2.0.5, §3.2.3, §4.2.4; 3.0.2, §2.3.2)."""
+        calls, start = self.calls, start or {}
+        fed = [name for name in start if self.file.variable(name).causality == "input"]
+        self.check(calls.setup(t0), "SetupExperiment", t0)
+        self.set({name: value for name, value in start.items() if name not in fed}, t0)
+        self.check(calls.enter_initialization(t0), "EnterInitializationMode", t0)
+        self.set({name: start[name] for name in fed}, t0)  # no input is set before it (2.0.5, §4.2.4)
+        self.check(calls.exit_initialization(), "ExitInitializationMode", t0)
         if self.interface == "ME":
-            self.settle()
-            self.call("enterContinuousTimeMode")
+            self.settle(t0)
+            self.check(calls.enter_continuous_time_mode(), "EnterContinuousTimeMode", t0)
 
-    def settle(self) -> None:
-        """In Event Mode: iterate newDiscreteStates until none is needed (FMI 2.0.5, §3.2.2)."""
+    def set(self, values: dict[str, float], t: float = 0.0) -> None:
+        """Set Real variables by name, one by one, so that a refusal names the variable."""
+        for name, value in values.items():
+            reference, number = c_uint(self.file.reference(name)), c_double(value)
+            status = self.calls.set(*self.calls.values(byref(reference), 1, byref(number)))
+            self.check(status, f"{self.calls.set.__name__[4:]} of `{name}`", t)
+
+    def settle(self, t: float) -> None:
+        """In Event Mode: iterate until no further discrete state changes (2.0.5, §3.2.2; 3.0.2, §3.2.1)."""
         for _ in range(100):
-            needed, terminate, *_ = self.call("newDiscreteStates")
+            status, needed, terminate = self.calls.update_discrete_states()
+            self.check(status, "the event iteration", t)
             if terminate:
                 raise FmuError(f"{self.file.path.name}: asks to terminate in Event Mode{self.last_message()}")
             if not needed:
                 return
         raise FmuError(f"{self.file.path.name}: 100 event iterations without an end; the model chatters")
 
-    def call(self, method: str, *args, **kwargs):
-        """Call a method of fmpy's object; its exception becomes an FmuError that names the FMU and the call."""
-        try:
-            return getattr(self.fmu, method)(*args, **kwargs)
-        except FMICallException as error:
-            raise FmuError(f"{self.file.path.name}: {_one_line(error)}{self.last_message()}") from error
-
     def check(self, status: int, function: str, t: float) -> None:
-        """Raise FmuError unless `status`, the maximum over one or more raw calls at time t (s), is OK."""
+        """Raise FmuError unless `status`, the maximum over one or more raw calls at time t (s), is OK.
+
+        function: what was called; the name of one of the standard's functions goes without its prefix.
+        """
         if status != 0:
             word = STATUS[status] if 0 <= status < len(STATUS) else f"an illegal status {status}"
+            function = f"{self.calls.prefix}{function}" if function[0].isupper() else function
             raise FmuError(f"{self.file.path.name}: {function} at t = {t:g} s returned {word}{self.last_message()}")
 
     def last_message(self) -> str:

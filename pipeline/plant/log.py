@@ -1,4 +1,4 @@
-"""The log messages of FMU instances: one callback for all, since fmpy's C proxy that formats them knows only one."""
+"""The log messages of FMU instances. In FMI 2.0 one callback serves all: fmpy's C proxy that formats knows one only."""
 
 from __future__ import annotations
 
@@ -31,13 +31,18 @@ def close_log(name: str) -> None:
     _logs.pop(name, None)
 
 
+def keep(log: list[str], message: bytes | None) -> None:
+    """Append a message to an instance's log: printable, of limited length, the last ones only."""
+    text = (message or b"").decode("utf-8", "replace")
+    log[:] = [*log[1 - KEPT :], "".join(c if c.isprintable() else " " for c in text)[:LENGTH]]
+
+
 def _logged(environment, name, status, category, message) -> None:
     log = _logs.get((name or b"").decode("utf-8", "replace"))
     if log is None:  # an instance that fmpy's own functions made: its messages go where they would have gone
         printLogMessage(environment, name, status, category, message)
     else:
-        text = (message or b"").decode("utf-8", "replace")
-        log[:] = [*log[1 - KEPT :], "".join(c if c.isprintable() else " " for c in text)[:LENGTH]]
+        keep(log, message)
 
 
 callbacks = fmi2CallbackFunctions()

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from ctypes import byref, c_int
-
 import numpy as np
-from fmpy.fmi2 import fmi2EventInfo
 
 from pipeline.errors import FmuError
 from pipeline.plant.binding import Binding, check_binding
 from pipeline.plant.fmu import Fmu, Instance
 from pipeline.plant.references import References, double_p
-from pipeline.plant.states import refuse_events, state_order
+from pipeline.plant.states import refuse_events, state_order, states_of
+from pipeline.plant.tangents import Sensitivity, Tangents
 
 
 class ModelExchangePlant:
     """A plant by Model Exchange: parameters set in Event Mode, states in Continuous-Time Mode, derivatives read.
 
-    (FMI 2.0.5, §2.2.7, §3.2.1.) The transition integrates by Euler (Eq. 13) or by RK4 in `substeps`, the input held
-    and the time held at t for all of it, Jacobian columns included. `calls` counts evaluations of the derivatives.
+    (FMI 2.0.5, §2.2.7, §3.2.1; 3.0.2, §2.3.2, §3.2.1.) The transition integrates by Euler (Eq. 13) or by RK4 in
+    `substeps`, the input held and the time held at t for all of it, Jacobian columns included. Parameters that are
+    inputs of the FMU are set beside the plant's input. `calls` counts evaluations of derivatives, directional ones too.
     """
 
     interface = "ME"
@@ -31,11 +30,8 @@ class ModelExchangePlant:
         self._order, self._nx = state_order(file, binding)
         self.instance = Instance(file, "ME", {**binding.start_values(), **settings})
         self._buffers()
-        self._parameters = References(self.instance, [p.variable or p.name for p in binding.parameter])
-        self._inputs = References(self.instance, [j.input for j in binding.joint])
+        self._divide_parameters()
         self._chi = np.full(len(binding.parameter), np.nan)
-        self._info = fmi2EventInfo()
-        self._info_reference = byref(self._info)
 
     def __enter__(self) -> ModelExchangePlant:
         return self
@@ -78,14 +74,58 @@ class ModelExchangePlant:
             s = s + sixth * total
         return s
 
+    @property
+    def directional(self) -> bool:
+        """Whether the FMU gives directional derivatives."""
+        return self.file.directional("ME")
+
+    def sensitivity(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float) -> Sensitivity:
+        """The transition and its derivatives by s, u and the parameters that are inputs of the FMU, exactly.
+
+        The same steps as `transition`, differentiated: each stage takes the FMU's directional derivatives along.
+        """
+        if self._tangents is None:
+            states = [v.name for v in states_of(self.file)]
+            knowns = [states[i] for i in self._order] + self._inputs.names
+            derivatives = [d.variable.name for d in self.file.description.derivatives]
+            self._tangents = Tangents(self.instance, [derivatives[i] for i in self._order], knowns)
+        self._prepare(s, u, chi, t)
+        S = np.eye(self.ns, len(self._tangents.knowns))
+        if self.method == "euler":
+            k, K = self._stage(s, S, t)
+            s, S = s + dt * k, S + dt * K
+        else:
+            s, S = self._rk4_with_tangents(s, S, t, dt / self.substeps)
+        return Sensitivity(s, S[:, : self.ns], S[:, self.ns : self.ns + self.n], S[:, self.ns + self.n :], self._fed)
+
+    def _rk4_with_tangents(self, s: np.ndarray, S: np.ndarray, t: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+        half, sixth = 0.5 * step, step / 6.0
+        for _ in range(self.substeps):
+            k1, K1 = self._stage(s, S, t)
+            k2, K2 = self._stage(s + half * k1, S + half * K1, t)
+            k3, K3 = self._stage(s + half * k2, S + half * K2, t)
+            k4, K4 = self._stage(s + step * k3, S + step * K3, t)
+            s = s + sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+            S = S + sixth * (K1 + 2.0 * K2 + 2.0 * K3 + K4)
+        return s, S
+
+    def _stage(self, s: np.ndarray, S: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """ds/dt at s, and its derivative along S (ns, m), that of s by all knowns."""
+        k = self._evaluate(s, t).copy()
+        J = self._tangents(t)
+        self.calls += len(self._tangents.knowns)
+        K = J[:, : self.ns] @ S
+        K[:, self.ns :] += J[:, self.ns :]
+        return k, K
+
     def _evaluate(self, s: np.ndarray, t: float) -> np.ndarray:
         """Derivatives in the seam's order, in a buffer that the next call overwrites."""
         self._x[self._order] = s
-        status = self._set_states(self._component, self._x_pointer, self._nx)
-        status = max(status, self._get_derivatives(self._component, self._dx_pointer, self._nx))
+        status = self._set_states(self._fmu, self._x_pointer, self._nx)
+        status = max(status, self._get_derivatives(self._fmu, self._dx_pointer, self._nx))
         self.calls += 1
         if status:
-            self.instance.check(status, "fmi2GetDerivatives", t)
+            self.instance.check(status, self._derivatives_call, t)
         derivative = self._dx[self._order]
         if not np.isfinite(derivative.sum()):
             raise FmuError(f"{self.file.path.name}: the derivatives at t = {t:g} s are not finite")
@@ -95,8 +135,10 @@ class ModelExchangePlant:
         """Set time, parameters (in Event Mode, only when they changed) and inputs; a new time completes a step."""
         status = 0 if t == self._t else self._complete_step(s, t)
         if not np.array_equal(chi, self._chi):
-            status = max(status, self._tune(chi))
-        status = max(status, self._inputs.set(u))
+            if self._tuned.size:
+                status = max(status, self._tune(chi, t))
+            self._chi[:] = chi
+        status = max(status, self._inputs.set(np.concatenate([u, chi[self._fed]]) if self._fed.size else u))
         if status:
             self._chi[:] = np.nan
             self.instance.check(status, "setting inputs and parameters", t)
@@ -104,36 +146,44 @@ class ModelExchangePlant:
     def _complete_step(self, s: np.ndarray, t: float) -> int:
         """Move the time to t, the state s (ns,) being what it is there (FMI 2.0.5, §3.2.1)."""
         self._x[self._order] = s
-        status = self._dll.fmi2SetTime(self._component, t)
-        status = max(status, self._set_states(self._component, self._x_pointer, self._nx))
+        status = self._set_time(self._fmu, t)
+        status = max(status, self._set_states(self._fmu, self._x_pointer, self._nx))
         self._t = t
-        if self.file.description.modelExchange.completedIntegratorStepNotNeeded:
+        if not self.file.description.modelExchange.needsCompletedIntegratorStep:
             return status
-        flags = (c_int(), c_int())
-        status = max(status, self._dll.fmi2CompletedIntegratorStep(self._component, 0, *map(byref, flags)))
-        if flags[1].value:
+        completed, enter_event_mode, terminate = self.instance.calls.completed_step()
+        if terminate:
             raise FmuError(f"{self.file.path.name}: asks to terminate at t = {t:g} s{self.instance.last_message()}")
-        if flags[0].value:
+        if enter_event_mode:
             self._chi[:] = np.nan  # Event Mode is entered by setting the parameters anew
-        return status
+        return max(status, completed)
 
-    def _tune(self, chi: np.ndarray) -> int:
-        dll, component = self._dll, self._component
-        status = dll.fmi2EnterEventMode(component)
-        status = max(status, self._parameters.set(chi))
-        status = max(status, dll.fmi2NewDiscreteStates(component, self._info_reference))
-        if self._info.terminateSimulation:
+    def _tune(self, chi: np.ndarray, t: float) -> int:
+        calls = self.instance.calls
+        status = calls.enter_event_mode()
+        status = max(status, self._parameters.set(chi[self._tuned]))
+        updated, needed, terminate = calls.update_discrete_states()
+        if terminate:
             raise FmuError(f"{self.file.path.name}: asks to terminate in Event Mode{self.instance.last_message()}")
-        if self._info.newDiscreteStatesNeeded:
-            self.instance.settle()
-        status = max(status, dll.fmi2EnterContinuousTimeMode(component))
-        self._chi[:] = chi
-        return status
+        if needed:
+            self.instance.settle(t)
+        return max(status, updated, calls.enter_continuous_time_mode())
+
+    def _divide_parameters(self) -> None:
+        """Parameters that the FMU has as inputs are fed beside the plant's input; the others are tuned."""
+        names = [p.variable or p.name for p in self.binding.parameter]
+        is_input = np.array([self.file.variable(name).causality == "input" for name in names], bool)
+        self._fed, self._tuned = np.flatnonzero(is_input), np.flatnonzero(~is_input)
+        self._parameters = References(self.instance, [names[i] for i in self._tuned])
+        inputs = [j.input for j in self.binding.joint]
+        self._inputs = References(self.instance, [*inputs, *(names[i] for i in self._fed)])
 
     def _buffers(self) -> None:
         """The arrays and raw calls of the hot loop, resolved once."""
         self._x, self._dx = np.zeros(self._nx), np.zeros(self._nx)
         self._x_pointer, self._dx_pointer = (a.ctypes.data_as(double_p) for a in (self._x, self._dx))
-        self._component, self._dll = self.instance.component, self.instance.dll
-        self._set_states, self._get_derivatives = self._dll.fmi2SetContinuousStates, self._dll.fmi2GetDerivatives
-        self._t = 0.0
+        calls = self.instance.calls
+        self._fmu, self._set_time = calls.instance, calls.set_time
+        self._set_states, self._get_derivatives = calls.set_states, calls.get_derivatives
+        self._derivatives_call = calls.derivatives_call.removeprefix(calls.prefix)
+        self._tangents, self._t = None, 0.0

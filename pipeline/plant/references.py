@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from ctypes import POINTER, c_double, c_uint
 
 import numpy as np
@@ -14,18 +15,20 @@ double_p = POINTER(c_double)
 class References:
     """Value references and a reused buffer: `set` writes an array into the FMU's variables, `get` reads them."""
 
-    def __init__(self, instance: Instance, names: list[str]):
-        file = instance.file
-        self.n = len(names)
+    def __init__(self, instance: Instance, names: Sequence[str]):
+        file, calls = instance.file, instance.calls
+        self.names, self.n = list(names), len(names)
         self.vr = (c_uint * self.n)(*[file.reference(name) for name in names])
         self.buffer = np.zeros(self.n)
         self.pointer = self.buffer.ctypes.data_as(double_p)
-        self.component = instance.component
-        self._set, self._get = instance.dll.fmi2SetReal, instance.dll.fmi2GetReal
+        self._arguments = calls.values(self.vr, self.n, self.pointer)
+        self._set, self._get = calls.set, calls.get
 
     def set(self, values: np.ndarray) -> int:
+        """Write values (n,); gives the status."""
         self.buffer[:] = values
-        return self._set(self.component, self.vr, self.n, self.pointer)
+        return self._set(*self._arguments)
 
     def get(self) -> int:
-        return self._get(self.component, self.vr, self.n, self.pointer)
+        """Read into `buffer`; gives the status."""
+        return self._get(*self._arguments)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from ctypes import c_int
-
 import numpy as np
 
 from pipeline.errors import ConfigError, FmuError
@@ -46,19 +44,27 @@ class CoSimulationPlant:
         joints, parameters = self.binding.joint, self.binding.parameter
         starts = [*(j.velocity_start for j in joints), *(j.position_start for j in joints)]
         self._start = References(self.instance, starts)
-        self._parameters = References(self.instance, [p.variable or p.name for p in parameters])
-        self._inputs = References(self.instance, [j.input for j in joints])
+        names = [p.variable or p.name for p in parameters]
+        is_input = np.array([self.file.variable(name).causality == "input" for name in names], bool)
+        self._fed, self._tuned = np.flatnonzero(is_input), np.flatnonzero(~is_input)
+        self._parameters = References(self.instance, [names[i] for i in self._tuned])
+        self._inputs = References(self.instance, [*(j.input for j in joints), *(names[i] for i in self._fed)])
         self._outputs = References(self.instance, [*(j.velocity for j in joints), *(j.position for j in joints)])
-        for name, value in start.items():
-            self.instance.call("setReal", [self.file.reference(name)], [value])
-        self._snapshot = self.instance.call("getFMUstate")
+        self.instance.set({name: value for name, value in start.items() if name not in self._inputs.names})
+        status, self._snapshot = self.instance.calls.get_state()
+        self.instance.check(status, "GetFMUstate", 0.0)
 
     def __enter__(self) -> CoSimulationPlant:
         return self
 
     def __exit__(self, *exc) -> None:
-        self.instance.fmu.freeFMUstate(self._snapshot)
+        self.instance.calls.free_state(self._snapshot)
         self.instance.__exit__(*exc)
+
+    @property
+    def directional(self) -> bool:
+        """Never: by Co-Simulation, they would be the derivatives at a communication point, not those of the step."""
+        return False
 
     @property
     def ns(self) -> int:
@@ -67,17 +73,17 @@ class CoSimulationPlant:
 
     def transition(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float) -> np.ndarray:
         """The state (ns,) after dt (s) with u (n,) held. Raises FmuError where the FMU refuses or gives no number."""
-        dll, component, check = self.instance.dll, self.instance.component, self.instance.check
+        calls, check = self.instance.calls, self.instance.check
         self.calls += 1
-        check(dll.fmi2SetFMUstate(component, self._snapshot), "fmi2SetFMUstate", t)
-        check(dll.fmi2SetupExperiment(component, 0, 0.0, t, 0, 0.0), "fmi2SetupExperiment", t)
+        check(calls.set_state(self._snapshot), "SetFMUstate", t)
+        check(calls.setup(t), "SetupExperiment", t)
         check(self._start.set(s), "setting the states", t)
-        check(self._parameters.set(chi), "setting the parameters", t)
-        check(dll.fmi2EnterInitializationMode(component), "fmi2EnterInitializationMode", t)
-        check(self._inputs.set(u), "setting the inputs", t)
-        check(dll.fmi2ExitInitializationMode(component), "fmi2ExitInitializationMode", t)
-        check(dll.fmi2DoStep(component, t, dt, c_int(0)), "fmi2DoStep", t)
-        check(self._outputs.get(), "fmi2GetReal", t)
+        check(self._parameters.set(chi[self._tuned]), "setting the parameters", t)
+        check(calls.enter_initialization(t), "EnterInitializationMode", t)
+        check(self._inputs.set(np.concatenate([u, chi[self._fed]])), "setting the inputs", t)
+        check(calls.exit_initialization(), "ExitInitializationMode", t)
+        check(calls.do_step(t, dt), "DoStep", t)
+        check(self._outputs.get(), "reading the outputs", t)
         result = self._outputs.buffer.copy()
         if not np.isfinite(result.sum()):
             raise FmuError(f"{self.file.path.name}: the step at t = {t:g} s gave a value that is not finite")

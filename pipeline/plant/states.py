@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from fmpy.model_description import ModelVariable
 
 from pipeline.errors import FmuError
 from pipeline.plant.binding import Binding
 from pipeline.plant.fmu import Fmu
 
 
+def states_of(file: Fmu) -> list[ModelVariable]:
+    """The continuous states in the FMU's order."""
+    return [unknown.variable.derivative for unknown in file.description.derivatives]
+
+
 def state_order(file: Fmu, binding: Binding) -> tuple[np.ndarray, int]:
     """Where the continuous states of the FMU stand in [qd, q] (2n,), and their number. Hidden states are refused."""
-    states = [d.variable.derivative for d in file.description.derivatives]
-    index = {variable.name: i for i, variable in enumerate(states)}
+    index = {variable.name: i for i, variable in enumerate(states_of(file))}
     wanted = [j.velocity_state or j.velocity for j in binding.joint]
     wanted += [j.position_state or j.position for j in binding.joint]
     for name in wanted:
@@ -27,7 +32,7 @@ def state_order(file: Fmu, binding: Binding) -> tuple[np.ndarray, int]:
             f"{file.path.name}: besides positions and velocities it has the states {', '.join(hidden)}; plants with "
             "hidden states are not handled yet: export one without them"
         )
-    return np.array([index[name] for name in wanted]), len(states)
+    return np.array([index[name] for name in wanted]), len(index)
 
 
 def refuse_events(file: Fmu) -> None:
