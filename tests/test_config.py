@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from pipeline.config import apply_override, load_experiment, shipped
 from pipeline.errors import ConfigError
-from pipeline.plant.binding import gains_of_bindings, load_binding
+from pipeline.plant.binding import gains_of_bindings, load_binding, variants_of_bindings
 from pipeline.settings import Experiment
 from pipeline.workflow.session import open_session
 
@@ -43,7 +43,7 @@ def test_an_override_reaches_its_place():
         ("simulation.sigma_q=[0.001]", "simulation.sigma_q has 1 entries, the plant asks for 2"),
         ("simulation.sigma_q=[0.001, -1]", ">= 0"),
         ("ekf.case.EKF(2).chi0=[1.0]", "EKF(2): chi0 has 1 entries, the plant asks for 8"),
-        ("plant=nowhere", "no such binding; known ones are emps, scara"),
+        ("plant=nowhere", "no such binding; known ones are emps, emps_inputs, scara, scara_inputs"),
         ("ekf.recommended='EKF(9)'", "`EKF(9)` is no estimate of this experiment; nearest: `EKF("),
         ("wls.WLS(2).name='WLS(1)'", "two estimates are called `WLS(1)`, or nearly; rename one"),
         ("wls.WLS(2).name='RLS'", "two estimates are called `RLS`, or nearly; rename one"),
@@ -101,7 +101,29 @@ def test_a_variable_bound_twice_is_refused(tmp_path):
 
 
 def test_the_drive_gain_stands_in_the_binding():
-    assert gains_of_bindings() == {"emps": {"G": 35.1507}, "emps_closed_loop": {"G": 35.1507}}
+    gain = {"G": 35.1507}
+    assert gains_of_bindings() == {"emps": gain, "emps_closed_loop": gain, "emps_inputs": gain}
+
+
+def test_a_binding_extends_another(tmp_path):
+    plain, inputs = load_binding("scara"), load_binding("scara_inputs")
+    assert inputs.fmu == "scara_inputs.fmu" and inputs.joint == plain.joint and inputs.parameter == plain.parameter
+    assert variants_of_bindings()["scara_inputs"] == ("scara", plain.names)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('extends = "none.toml"', "extends `none.toml`, which is no file beside it"),
+        ("extends = 3", "extends `3`, which is no file beside it"),
+        ('extends = "a.toml"', "extends `a.toml`, which extends another one"),
+    ],
+)
+def test_an_extension_that_leads_nowhere_is_refused(tmp_path, text, message):
+    (tmp_path / "a.toml").write_text('extends = "b.toml"')
+    (tmp_path / "mine.toml").write_text(text)
+    with pytest.raises(ConfigError, match=message):
+        load_binding(str(tmp_path / "mine.toml"))
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf"])

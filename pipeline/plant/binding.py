@@ -133,7 +133,7 @@ def load_binding(name_or_path: str, base: Path | None = None) -> Binding:
     if not path.is_file():
         known = sorted(p.stem for p in FMUS.glob("*.toml"))
         raise ConfigError(f"{path}: no such binding; known ones are {', '.join(known)}, or give a path to a .toml file")
-    binding = convert({"folder": str(path.parent), **read_toml(path)}, Binding, path.name)
+    binding = convert({"folder": str(path.parent), **read_binding(path)}, Binding, path.name)
     names = [j.input for j in binding.joint] + [p.variable or p.name for p in binding.parameter]
     for name in names:
         if names.count(name) > 1:
@@ -141,27 +141,42 @@ def load_binding(name_or_path: str, base: Path | None = None) -> Binding:
     return binding
 
 
+def read_binding(path: Path) -> dict:
+    """The table of a binding; its `extends` names another one, in its folder, whose keys it takes over or replaces."""
+    table = read_toml(path)
+    base = table.pop("extends", None)
+    if base is None:
+        return table
+    if not isinstance(base, str) or not (path.parent / base).is_file():
+        raise ConfigError(f"{path.name}: extends `{base}`, which is no file beside it; name a binding there")
+    extended = read_toml(path.parent / base)
+    if "extends" in extended:
+        raise ConfigError(f"{path.name}: extends `{base}`, which extends another one; name that one")
+    return {**extended, **table}
+
+
 def check_binding(binding: Binding, file: Fmu) -> None:
     """Hold the binding against the model description: names, causality, units. Raises FmuError."""
     for joint in binding.joint:
-        _expect(file, joint.input, "input", joint.input_unit)
-        _expect(file, joint.position, None, joint.position_unit)
-        _expect(file, joint.velocity, None, joint.velocity_unit)
-        _expect(file, joint.position_state or joint.position, None, joint.position_unit)
-        _expect(file, joint.velocity_state or joint.velocity, None, joint.velocity_unit)
+        _expect(file, joint.input, ("input",), joint.input_unit)
+        _expect(file, joint.position, (), joint.position_unit)
+        _expect(file, joint.velocity, (), joint.velocity_unit)
+        _expect(file, joint.position_state or joint.position, (), joint.position_unit)
+        _expect(file, joint.velocity_state or joint.velocity, (), joint.velocity_unit)
         if joint.gain_parameter:
-            _expect(file, joint.gain_parameter, "parameter", joint.gain_unit)
+            _expect(file, joint.gain_parameter, ("parameter",), joint.gain_unit)
     for parameter in binding.parameter:
-        _expect(file, parameter.variable or parameter.name, "parameter", parameter.unit)
+        _expect(file, parameter.variable or parameter.name, ("parameter", "input"), parameter.unit)
     for name in (*binding.set, *binding.probe, *binding.filter):
         file.variable(name)
 
 
-def _expect(file: Fmu, name: str, causality: str | None, unit: str) -> None:
+def _expect(file: Fmu, name: str, causalities: tuple[str, ...], unit: str) -> None:
     variable = file.variable(name)
-    if causality is not None and variable.causality != causality:
+    if causalities and variable.causality not in causalities:
+        wanted = " or ".join(causalities)
         raise FmuError(
-            f"{file.path.name}: `{name}` is of causality {variable.causality} there, the binding wants {causality}"
+            f"{file.path.name}: `{name}` is of causality {variable.causality} there, the binding wants {wanted}"
         )
     declared = variable.unit or (variable.declaredType.unit if variable.declaredType is not None else None)
     if declared is not None and declared != unit:
@@ -173,4 +188,14 @@ def _expect(file: Fmu, name: str, causality: str | None, unit: str) -> None:
 def gains_of_bindings() -> dict[str, dict[str, float]]:
     """{FMU: {gain parameter: value}} for each plant of ours and its closed loop: a binding is the gain's one place."""
     gains = {path.stem: load_binding(str(path)).gains_to_set() for path in sorted(FMUS.glob("*.toml"))}
-    return {f"{name}{part}": gain for name, gain in gains.items() if gain for part in ("", "_closed_loop")}
+    loops = {f"{name}_closed_loop": gain for name, gain in gains.items() if not name.endswith("_inputs")}
+    return {name: gain for name, gain in (gains | loops).items() if gain}
+
+
+def variants_of_bindings() -> dict[str, tuple[str, tuple[str, ...]]]:
+    """{"scara_inputs": ("scara", parameters)}: plants of ours whose parameters are continuous inputs of the FMU."""
+    variants = {}
+    for path in sorted(FMUS.glob("*_inputs.toml")):
+        parameters = tuple(p.variable or p.name for p in load_binding(str(path)).parameter)
+        variants[path.stem] = (path.stem.removesuffix("_inputs"), parameters)
+    return variants
