@@ -91,6 +91,9 @@ def _experiment_command(commands, name: str, help_text: str) -> argparse.Argumen
     )
     command.add_argument("--seed", type=int, help="seed of the noise")
     command.add_argument(
+        "--jacobian", choices=("forward", "central", "directional"), help="how the EKF differentiates the plant"
+    )
+    command.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="override a setting, e.g. ekf.substeps=8"
     )
     command.add_argument("--json", action="store_true", help="print the result as JSON")
@@ -103,6 +106,8 @@ def _session(arguments: argparse.Namespace):
     overrides = list(arguments.set)
     if arguments.seed is not None:
         overrides.append(f"seed={arguments.seed}")
+    if arguments.jacobian is not None:
+        overrides.append(f'ekf.jacobian="{arguments.jacobian}"')
     return open_session(arguments.experiment, overrides, _narrate, arguments.simulated, arguments.data)
 
 

@@ -130,6 +130,7 @@ class EkfCase(Settings):
 class EkfSettings(Settings):
     """The extended Kalman filter: transition, Jacobian, covariance form and the cases to run.
 
+    jacobian: by the FMU's directional derivatives where it has them, else by forward differences; or by differences.
     P0_state (2n,): variances of [qd, q] at the start; start_at_rest: begin with qd = 0, else with the filtered
     velocity of the first sample; recommended: the estimate that the verdict judges.
     """
@@ -141,7 +142,7 @@ class EkfSettings(Settings):
     method: Literal["euler", "rk4"] = "rk4"
     substeps: Substeps = 4
     interface: Literal["ME", "CS"] = "ME"
-    jacobian: Literal["forward", "central"] = "forward"
+    jacobian: Literal["directional", "forward", "central"] = "directional"
     covariance: Literal["udu", "joseph"] = "udu"
 
 

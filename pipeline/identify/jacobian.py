@@ -1,7 +1,11 @@
-"""The transition and its Jacobian by finite differences through the plant, the time held for all of it."""
+"""The transition and its Jacobian: by the FMU's directional derivatives, or by finite differences through the plant.
+
+The time is held for all of it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +14,8 @@ import numpy as np
 # vanish with the value, so a state counts as at least 1, a parameter as at least its scale in the binding.
 EPSILON = {"forward": 1e-7, "central": 1e-5}
 STATE_FLOOR = 1.0
+AGREED = 1e-3
+"""Two modes that differ by more, of a column's largest entry, are not derivatives of the same thing."""
 
 
 @dataclass(frozen=True)
@@ -22,27 +28,66 @@ class Linearised:
     C: np.ndarray
 
 
-def linearise(plant, s: np.ndarray, chi: np.ndarray, u: np.ndarray, t: float, dt: float, mode: str) -> Linearised:
-    """Linearise the plant's transition over dt (s) at s (ns,), chi (p,), u (n,), by `mode` "forward" or "central".
+@dataclass(frozen=True)
+class Point:
+    """Where a transition is linearised: state s (ns,), parameters chi (p,), input u (n,), time t and step dt in s."""
 
-    The plant evaluates 1 + m (forward) or 1 + 2m (central) transitions, m = ns + p + n.
+    s: np.ndarray
+    chi: np.ndarray
+    u: np.ndarray
+    t: float
+    dt: float
+
+
+def linearise(plant, s: np.ndarray, chi: np.ndarray, u: np.ndarray, t: float, dt: float, mode: str) -> Linearised:
+    """Linearise the plant's transition over dt (s) at s (ns,), chi (p,), u (n,).
+
+    mode: "forward" or "central" differences, of 1 + m or 1 + 2m transitions, m = ns + p + n; or "directional": the
+    FMU's own derivatives, and forward differences by those parameters that are none of its inputs (the standards grant
+    parameters as knowns in Initialization Mode only: FMI 2.0.5, §2.2.8).
     """
-    f = plant.transition(s, u, chi, t, dt)
+    ns, p = len(s), len(chi)
+    if mode != "directional":
+        f = plant.transition(s, u, chi, t, dt)
+        J = _differences(plant, s, chi, u, t, dt, mode, f, range(ns + p + len(u)))
+        return Linearised(f, J[:, :ns], J[:, ns : ns + p], J[:, ns + p :])
+    known = plant.sensitivity(s, u, chi, t, dt)
+    B = np.empty((ns, p))
+    B[:, known.fed] = known.B
+    rest = np.setdiff1d(np.arange(p), known.fed)
+    B[:, rest] = _differences(plant, s, chi, u, t, dt, "forward", known.f, ns + rest)
+    return Linearised(known.f, known.A, B, known.C)
+
+
+def _differences(plant, s, chi, u, t: float, dt: float, mode: str, f: np.ndarray, columns: Iterable[int]) -> np.ndarray:
+    """The columns (ns, k) of ∂f/∂[s, chi, u] that are asked for."""
     ns, p = len(s), len(chi)
     point = np.concatenate([s, chi, u])
     floor = np.concatenate([np.full(ns, STATE_FLOOR), plant.binding.scale, plant.binding.u_range])
     step = EPSILON[mode] * np.maximum(np.abs(point), floor)
-    J = np.empty((ns, len(point)))
-    for i in range(len(point)):
-        moved = point.copy()
-        moved[i] += step[i]
-        ahead = plant.transition(moved[:ns], moved[ns + p :], moved[ns : ns + p], t, dt)
-        if mode == "forward":
-            # the step that was taken, not the one that was asked for: the difference is rounding
-            J[:, i] = (ahead - f) / (moved[i] - point[i])
-            continue
-        back = point.copy()
-        back[i] -= step[i]
-        behind = plant.transition(back[:ns], back[ns + p :], back[ns : ns + p], t, dt)
-        J[:, i] = (ahead - behind) / (moved[i] - back[i])
-    return Linearised(f, J[:, :ns], J[:, ns : ns + p], J[:, ns + p :])
+
+    def moved(i: int, by: float) -> tuple[np.ndarray, float]:
+        there = point.copy()
+        there[i] += by
+        return plant.transition(there[:ns], there[ns + p :], there[ns : ns + p], t, dt), there[i]
+
+    J = []
+    for i in columns:
+        ahead, at = moved(i, step[i])
+        behind, back = (f, point[i]) if mode == "forward" else moved(i, -step[i])
+        J.append((ahead - behind) / (at - back))  # the step that was taken, not the one asked for: the rest is rounding
+    return np.array(J).reshape(-1, ns).T
+
+
+def disagreement(plant, points: Iterable[Point], mode: str, other: str) -> float:
+    """How far two modes are apart: the largest difference in a column, relative to its largest entry, over points."""
+    worst = 0.0
+    for at in points:
+        one, two = (linearise(plant, at.s, at.chi, at.u, at.t, at.dt, m) for m in (mode, other))
+        J, K = (np.hstack([model.A, model.B, model.C]) for model in (one, two))
+        scale = np.abs(K).max(axis=0)
+        apart = np.abs(J - K).max(axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            relative = np.where(apart == 0.0, 0.0, apart / scale)
+        worst = max(worst, float(relative.max()))
+    return worst

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache, partial
 from time import process_time
 
 import numpy as np
@@ -19,6 +20,7 @@ from pipeline.settings import EkfCase
 from pipeline.signals.filters import cutoff_frequency
 from pipeline.signals.frames import joint_columns
 from pipeline.workflow.batch import Batch
+from pipeline.workflow.differentiating import JacobianChoice, choose_jacobian
 from pipeline.workflow.session import Session
 
 FINER = 4
@@ -29,7 +31,8 @@ FINER = 4
 class Filtered:
     """One run of the filter: its estimate, its signals, the prior chi0 (p,), its tuning and settings.
 
-    calls: evaluations of the FMU; shift: the worst shift in sigma by the transition's own error, where it is known.
+    jacobian: how it is computed; calls: evaluations of the FMU; shift: the worst shift in sigma by the transition's own
+    error, where it is known.
     """
 
     estimate: Estimate
@@ -37,24 +40,33 @@ class Filtered:
     chi0: np.ndarray
     tuning: str
     settings: dict
+    jacobian: JacobianChoice
     calls: int
     shift: float | None = None
 
 
 def run_filters(session: Session, frame: pd.DataFrame, best: Batch) -> dict[str, Filtered]:
     """Run every case on the measured frame; `best` is the recommended WLS variant."""
+    chosen = cache(partial(choose_jacobian, session, best))
     return {
-        case.called(tuning): run_case(session, frame, best, case, tuning)
+        case.called(tuning): run_case(session, frame, best, case, tuning, chosen(*transition_of(session, case)))
         for case in session.experiment.ekf.case
         for tuning in case.tunings
     }
 
 
-def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, tuning: str) -> Filtered:
-    """Run one case with one tuning ("paper", "known" or "derived")."""
+def run_case(
+    session: Session,
+    frame: pd.DataFrame,
+    best: Batch,
+    case: EkfCase,
+    tuning: str,
+    jacobian: JacobianChoice | None = None,
+) -> Filtered:
+    """Run one case with one tuning ("paper", "known" or "derived"); jacobian: what `choose_jacobian` chose for it."""
     ekf, binding = session.experiment.ekf, session.binding
-    method, substeps = case.method or ekf.method, case.substeps or ekf.substeps
-    interface = "ME" if method == "euler" else ekf.interface  # Euler's step needs derivatives
+    interface, method, substeps = transition_of(session, case)
+    jacobian = jacobian or choose_jacobian(session, best, interface, method, substeps)
     noise = noise_levels(session, frame, best.regression.sigma_rho, case, tuning)
     q = frame[joint_columns("q", binding.n)].to_numpy()
     u = frame[joint_columns("u", binding.n)].to_numpy()
@@ -62,7 +74,7 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
     z0 = np.concatenate([start_velocity(session, best), q[0], chi0])
     time, start = frame.index.to_numpy(dtype=float), process_time()
     with open_plant(binding, "filter", interface, method, substeps) as plant:
-        run = run_filter(plant, time, q, u, z0, P0, noise, ekf.jacobian, ekf.covariance)
+        run = run_filter(plant, time, q, u, z0, P0, noise, jacobian.used, ekf.covariance)
         calls = plant.calls
     estimate = _estimate(case.called(tuning), binding, run, time, chi0, process_time() - start)
     shift = None
@@ -71,14 +83,25 @@ def run_case(session: Session, frame: pd.DataFrame, best: Batch, case: EkfCase, 
     settings = {
         "transition": transition_text(interface, method, substeps),
         "interface": interface,
-        "jacobian": ekf.jacobian,
+        "jacobian": jacobian.text,
         "covariance": ekf.covariance,
         "P0": np.diag(P0).tolist(),
         "R": noise.R.tolist(),
         "Q": noise.q.tolist(),
         "process_noise": "on the joint forces" if noise.input_noise else "on the states",
     }
-    return Filtered(estimate, run, chi0, tuning, settings, calls, shift)
+    return Filtered(estimate, run, chi0, tuning, settings, jacobian, calls, shift)
+
+
+def transition_of(session: Session, case: EkfCase) -> tuple[str, str, int]:
+    """Interface, method and sub-steps of a case's transition."""
+    ekf = session.experiment.ekf
+    method = case.method or ekf.method
+    return (
+        "ME" if method == "euler" else ekf.interface,
+        method,
+        case.substeps or ekf.substeps,
+    )  # Euler needs derivatives
 
 
 def transition_text(interface: str, method: str, substeps: int) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import msgspec
 import numpy as np
@@ -130,7 +130,12 @@ def filter_entries(
     entries, signals = {}, {}
     for name, found in filters.items():
         test = tests.get(name)
-        more = {"tuning": found.tuning, "settings": found.settings, "fmu_calls": found.calls}
+        more = {
+            "tuning": found.tuning,
+            "settings": found.settings,
+            "jacobian": asdict(found.jacobian),
+            "fmu_calls": found.calls,
+        }
         if test is not None:
             transition = {"worst_shift_sigma": found.shift, "limit": LIMIT}
             more["tests"] = {**test.as_record(), "transition": transition}
@@ -143,7 +148,7 @@ def with_sigma_reason(found: Filtered, test: Consistency | None) -> Filtered:
     """The filter run with the reason why its sigma is withheld, where the test gives one."""
     if found.estimate.status != OK:
         return found
-    reasons = []
+    reasons = [found.jacobian.doubt] if found.jacobian.doubt else []
     if found.shift is not None and found.shift > LIMIT:
         coarse = found.settings["transition"]
         size = f"{found.shift:.2g} sigma (limit {LIMIT:g})"

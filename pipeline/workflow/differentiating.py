@@ -1,0 +1,87 @@
+"""Which Jacobian the filter gets: the one asked for, checked against another before a filter runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.errors import FmuError
+from pipeline.identify.jacobian import AGREED, Point, disagreement
+from pipeline.plant.plant import open_plant
+from pipeline.signals.frames import joint_columns
+from pipeline.workflow.batch import Batch
+from pipeline.workflow.session import Session
+
+POINTS = 10
+
+
+@dataclass(frozen=True)
+class JacobianChoice:
+    """How a filter's Jacobian is computed: `used`, and how far it is from `against`, another way (`disagreement`).
+
+    difference: None where it could not be had; reason: why it is not what was asked for, or not known to be right.
+    """
+
+    used: str
+    against: str
+    difference: float | None
+    reason: str = ""
+
+    @property
+    def text(self) -> str:
+        """One line for people."""
+        words = {
+            "directional": "directional derivatives of the FMU",
+            "forward": "forward differences",
+            "central": "central differences",
+        }
+        apart = "not compared with" if self.difference is None else f"{self.difference:.1e} from"
+        return f"{words[self.used]}, {apart} {words[self.against]}{f' ({self.reason})' if self.reason else ''}"
+
+    @property
+    def doubt(self) -> str:
+        """Why a sigma that rests on this Jacobian must not be trusted, or ""."""
+        if self.difference is None or self.difference <= AGREED:
+            return ""
+        return f"the Jacobian by {self.used} differences is {self.difference:.1e} from that by {self.against} ones"
+
+
+def choose_jacobian(session: Session, best: Batch, interface: str, method: str, substeps: int) -> JacobianChoice:
+    """The Jacobian for transitions by interface, method and sub-steps, checked at POINTS of the filtered motion.
+
+    Directional derivatives give way to forward differences where the FMU has none, or where they are wrong.
+    """
+    wanted, reason = session.experiment.ekf.jacobian, ""
+    with open_plant(session.binding, "filter", interface, method, substeps) as plant:
+        if wanted == "directional" and not plant.directional:
+            what = "by Co-Simulation there are none of a step" if interface == "CS" else "the FMU provides none"
+            wanted, reason = "forward", f"directional ones were asked for; {what}"
+        points = points_of(session, best)
+        choice = _compared(plant, points, wanted, reason)
+        if wanted == "directional" and (choice.difference is None or choice.difference > AGREED):
+            apart = "cannot be had" if choice.difference is None else f"are {choice.difference:.1e} off"
+            return _compared(
+                plant, points, "forward", f"the FMU's directional derivatives {apart} {choice.reason}".strip()
+            )
+    return choice
+
+
+def _compared(plant, points: list[Point], mode: str, reason: str) -> JacobianChoice:
+    against = "forward" if mode == "central" else "central"
+    try:
+        return JacobianChoice(mode, against, disagreement(plant, points, mode, against), reason)
+    except FmuError as error:
+        return JacobianChoice(mode, against, None, f"{reason}; {error}" if reason else str(error))
+
+
+def points_of(session: Session, best: Batch) -> list[Point]:
+    """POINTS of the filtered motion, with the parameters of WLS, or a priori where it held them."""
+    n, frame = session.binding.n, best.filtered
+    chi = session.binding.a_priori
+    for name, value in zip(best.estimate.names, best.estimate.theta, strict=True):
+        chi[session.binding.names.index(name)] = value
+    rows = np.linspace(0, len(frame) - 2, POINTS + 2).astype(int)[1:-1]
+    time = frame.index.to_numpy(dtype=float)
+    q, qd, u = (frame[joint_columns(c, n)].to_numpy() for c in ("q", "qd", "u"))
+    return [Point(np.concatenate([qd[k], q[k]]), chi, u[k], time[k], time[k + 1] - time[k]) for k in rows]
