@@ -47,6 +47,34 @@ def _filter_row(run: Run, name: str, tests: dict, joints: Sequence[int]) -> list
     return cells
 
 
+def jacobians(run: Run) -> Html | None:
+    """By filter the transition, how its Jacobian was computed, and how far that is from another way."""
+    found = {n: e["jacobian"] for n, e in run.estimates.items() if e.get("jacobian")}
+    if not found:
+        return None
+    labels = ("Filter", "Transition", "Jacobian", "compared with", "largest difference", "Remark")
+    head = [tag("th", h, scope="col") for h in labels]
+    caption = (
+        "The difference is relative to the largest entry of its column, at ten points of the motion, before the filter"
+        " ran. Good: 1e-5 or less. Directional derivatives are the FMU's own, by states and inputs; columns of"
+        " parameters are forward differences, unless the FMU has its parameters as inputs."
+    )
+    return table("Jacobians of the filters", [head], [_jacobian_row(run, n, j) for n, j in found.items()], caption)
+
+
+def _jacobian_row(run: Run, name: str, jacobian: dict) -> Html:
+    difference = jacobian.get("difference")
+    cells = [tag("th", name, scope="row")]
+    words = (
+        (run.estimates[name].get("settings") or {}).get("transition"),
+        jacobian.get("used"),
+        jacobian.get("against"),
+    )
+    cells += [tag("td", word or DASH, class_="text") for word in words]
+    cells.append(_cell(DASH if difference is None else number(difference, 2)))
+    return tag("tr", cells, tag("td", jacobian.get("reason") or DASH, class_="text"))
+
+
 def residual_tests(run: Run) -> Html | None:
     """Size, shape and whiteness of the residual of every batch estimate, per joint."""
     tested = {n: (e.get("tests") or {}).get("residual") for n, e in run.estimates.items()}

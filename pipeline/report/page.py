@@ -132,6 +132,7 @@ def _sections(run: Run, store: Store) -> Iterable[Section | None]:
         "innovations",
         "Innovations of the filters",
         diagnostics.filter_tests(run),
+        diagnostics.jacobians(run),
         [
             folded(f"Innovations of {n}", checks.innovation_panels(run, n), opened=n == sound)
             for n in run.by_method("EKF")
