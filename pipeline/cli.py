@@ -56,6 +56,7 @@ def _parser() -> argparse.ArgumentParser:
 
     build = commands.add_parser("build", help="export the FMUs from the Modelica sources", epilog=EXIT_CODES)
     build.add_argument("names", nargs="*", metavar="NAME", help="FMUs to build, for example scara (default: all)")
+    build.add_argument("--fmi", choices=("2", "3", "both"), default="both", help="FMI version (default: both)")
     build.add_argument("--force", action="store_true", help="build even what is up to date")
     build.add_argument("--json", action="store_true", help="print the result as JSON")
     build.add_argument("--modelica", metavar="DIR", help="other sources: the folder of a package, or a .mo file")
@@ -116,7 +117,7 @@ def _narrate(text: str) -> None:
 
 
 def _build(arguments: argparse.Namespace) -> int:
-    built = [_build_foreign(arguments)] if arguments.modelica or arguments.model else _build_own(arguments)
+    built = _build_foreign(arguments) if arguments.modelica or arguments.model else _build_own(arguments)
     if arguments.json:
         print(
             json.dumps(
@@ -136,10 +137,11 @@ def _build_own(arguments: argparse.Namespace) -> list:
 
     if arguments.output:
         raise ConfigError("--output names the FMU of one --model: give that too")
-    return build(arguments.names or None, FMUS, gains_of_bindings(), force=arguments.force, report=_narrate)
+    options = {"fmi": arguments.fmi, "force": arguments.force, "report": _narrate}
+    return build(arguments.names or None, FMUS, gains_of_bindings(), **options)
 
 
-def _build_foreign(arguments: argparse.Namespace):
+def _build_foreign(arguments: argparse.Namespace) -> list:
     from pathlib import Path
 
     from pipeline.export.foreign import build_foreign
@@ -148,7 +150,8 @@ def _build_foreign(arguments: argparse.Namespace):
     if arguments.names:
         raise ConfigError(f"{' '.join(arguments.names)}: with --modelica give the class by --model")
     modelica = Path(arguments.modelica) if arguments.modelica else MODELICA
-    return build_foreign(modelica, arguments.model, Path(arguments.output) if arguments.output else None)
+    output = Path(arguments.output) if arguments.output else None
+    return build_foreign(modelica, arguments.model, output, arguments.fmi)
 
 
 def _simulate(arguments: argparse.Namespace) -> int:

@@ -1,4 +1,8 @@
-"""Building FMUs: every class listed in the package's FMUs/package.order, each a file in snake_case."""
+"""Building FMUs: every class listed in the package's FMUs/package.order, named in snake_case, a file for each version.
+
+One library holds the calls of FMI 2.0 and of 3.0: it is compiled once and packed twice, as `scara.fmu` and
+`scara_fmi3.fmu`, so that both versions compute the same to the last bit.
+"""
 
 from __future__ import annotations
 
@@ -20,19 +24,23 @@ from pipeline.export.codegen import generate, identifier
 from pipeline.export.compiler import compile_library, describe_compiler, find_compiler, platform
 from pipeline.export.equations import Model, translate
 from pipeline.export.frontend import load
-from pipeline.export.model_description import describe
+from pipeline.export.model_description_fmi2 import describe as describe_fmi2
+from pipeline.export.model_description_fmi3 import describe as describe_fmi3
+from pipeline.export.model_description_fmi3 import describe_build
 from pipeline.paths import MODELICA
 
 HERE = Path(__file__).resolve().parent
 WRAPPER = HERE / "wrapper"
 EXPORTER = [*sorted(HERE.glob("*.py")), HERE.parent / "units.py", *sorted(WRAPPER.glob("*.[ch]"))]
 RECORD = ".build.json"
+VERSIONS = {"2": ("2",), "3": ("3",), "both": ("2", "3")}
+SUFFIX = {"2": "", "3": "_fmi3"}  # of the file's name
 ONE_AT_A_TIME = Lock()  # CasADi's expressions count their references without locks; the compilers run side by side
 
 
 @dataclass(frozen=True)
 class Built:
-    """One FMU: its name, its file, the seconds it took, and whether it was up to date already."""
+    """One file: its FMU's name, its path, the seconds that this FMU took in all versions; whether it was up to date."""
 
     name: str
     path: Path
@@ -53,7 +61,7 @@ def build(
     names: Sequence[str] | None,
     out: Path,
     start_values: Mapping[str, Mapping[str, float]] | None = None,
-    fmi: str = "2",
+    fmi: str = "both",
     force: bool = False,
     modelica: Path = MODELICA,
     report: Callable[[str], None] = lambda line: None,
@@ -61,80 +69,115 @@ def build(
     """Build the FMUs `names` (None: all) into `out`; those whose inputs have not changed are left alone.
 
     start_values: {FMU name: {parameter: value}} replace bindings of the Modelica text; the FMU must have the parameter.
-    Raises ExportError.
+    fmi: the version, "2", "3" or "both". Raises ExportError.
     """
-    if fmi != "2":
-        raise ExportError(f"FMI version {fmi}: only FMI 2 can be built")
+    if fmi not in VERSIONS:
+        raise ExportError(f"FMI version {fmi}: there are 2, 3 and both")
     classes = exported(modelica)
     unknown = sorted(set(names or ()) - set(classes))
     if unknown:
-        raise ExportError(f"no FMU {', '.join(unknown)}: there are {', '.join(classes)}")
+        what = f"no FMU {', '.join(unknown)}: there are {', '.join(classes)}"
+        raise ExportError(f"{what}; --fmi chooses the version" if any("_fmi3" in name for name in unknown) else what)
     record = read_record(out / RECORD)
     starts = {name: dict((start_values or {}).get(name, {})) for name in names or classes}
     compiler = describe_compiler()
     inputs = {name: fingerprint(modelica, starts[name]) for name in starts}
-    todo = [name for name in inputs if force or not up_to_date(out, name, inputs[name], compiler, record)]
+    files = {name: {version: out / f"{name}{SUFFIX[version]}.fmu" for version in VERSIONS[fmi]} for name in starts}
+    todo = {
+        name: {v: p for v, p in paths.items() if force or not up_to_date(out, p.stem, inputs[name], compiler, record)}
+        for name, paths in files.items()
+    }
+    todo = {name: paths for name, paths in todo.items() if paths}
     if todo:
         find_compiler()
 
-    def make(name: str) -> Built:
+    def make(name: str) -> list[Built]:
         started = time.perf_counter()
-        path = export(modelica, classes[name], out / f"{name}.fmu", starts[name])
-        return Built(name, path, time.perf_counter() - started, False)
+        export(modelica, classes[name], todo[name], starts[name], name)
+        seconds = time.perf_counter() - started
+        return [Built(name, path, seconds, False) for path in todo[name].values()]
 
     with ThreadPoolExecutor(max_workers=2) as pool:
         made = {}
-        for built in pool.map(make, todo):
-            made[built.name] = built
-            known = {"inputs": inputs[built.name], "compiler": compiler, "sha256": digest(built.path)}
-            record[built.name] = known
+        for several in pool.map(make, todo):
+            for built in several:
+                made[built.path] = built
+                known = {"inputs": inputs[built.name], "compiler": compiler, "sha256": digest(built.path)}
+                record[built.path.stem] = known
             write_record(out / RECORD, record)
-            report(f"built {built.path.name} in {built.seconds:.1f} s")
-    return [made.get(name) or Built(name, out / f"{name}.fmu", 0.0, True) for name in inputs]
+            report(f"built {', '.join(b.path.name for b in several)} in {several[0].seconds:.1f} s")
+    return [made.get(path) or Built(name, path, 0.0, True) for name in files for path in files[name].values()]
 
 
-def export(modelica: Path, model: str, path: Path, starts: Mapping[str, float] | None = None) -> Path:
-    """Export one class as an FMU (FMI 2.0, Model Exchange and Co-Simulation), named after the file."""
+def export(
+    modelica: Path, model: str, files: Mapping[str, Path], starts: Mapping[str, float] | None = None, name: str = ""
+) -> None:
+    """Export one class as FMUs for Model Exchange and Co-Simulation; files: {FMI version: path}.
+
+    name: of the library; the first file's without one. Raises ExportError.
+    """
     with ONE_AT_A_TIME:
-        contents = write_contents(translate(load(modelica, model), starts), library_name(path))
-    return pack(contents, path)
+        contents = write_contents(translate(load(modelica, model), starts), name or library_name(files))
+    pack(contents, files)
 
 
-def write_fmu(model: Model, path: Path) -> Path:
+def write_fmu(model: Model, path: Path, fmi: str = "2") -> Path:
     """The FMU of a sorted model."""
-    return pack(write_contents(model, library_name(path)), path)
+    pack(write_contents(model, library_name({fmi: path})), {fmi: path})
+    return path
 
 
-def library_name(path: Path) -> str:
-    """The modelIdentifier of an FMU in this file: its stem as a C identifier."""
-    return re.sub(r"\W|^(?=\d)", "_", path.stem, flags=re.ASCII)
+def library_name(files: Mapping[str, Path]) -> str:
+    """The modelIdentifier of an FMU in these files: the first one's stem as a C identifier."""
+    return re.sub(r"\W|^(?=\d)", "_", next(iter(files.values())).stem, flags=re.ASCII)
 
 
 @dataclass(frozen=True)
 class Contents:
-    """The texts of an FMU: its C sources and headers by file name, its model description."""
+    """The texts of an FMU: its library's name, C sources and headers by file name; what describes it, by version."""
 
+    name: str
     sources: dict[str, str]
-    description: str
+    descriptions: dict[str, dict[str, str]]
 
 
 def write_contents(model: Model, name: str) -> Contents:
-    """C code and model description of a sorted model."""
+    """C code and descriptions of a sorted model."""
     wrapper = {file.name: file.read_text(encoding="utf-8") for file in sorted(WRAPPER.glob("*.[ch]"))}
-    compiled = sorted(file for file in [*wrapper, "model.c"] if file.endswith(".c"))
-    guid = guid_of(wrapper | generate(model, "") | {"description": describe(model, name, "", compiled)})
-    return Contents(wrapper | generate(model, guid), describe(model, name, guid, compiled))
+    files = [*wrapper, "model.c", "model_counts.h"]
+    parts = wrapper | generate(model, "") | {"descriptions": describe(model, name, "", files)}
+    guid = guid_of(parts)
+    return Contents(name, wrapper | generate(model, guid), describe(model, name, guid, files))
 
 
-def pack(contents: Contents, path: Path) -> Path:
-    """Compile the sources and write the archive."""
-    folder, suffix = platform()
-    library = library_name(path) + suffix
-    files = {f"sources/{file}": text.encode() for file, text in contents.sources.items()}
-    files["modelDescription.xml"] = contents.description.encode()
-    files[f"binaries/{folder}/{library}"] = compile_sources(contents.sources, library, path.with_suffix(".log"))
-    write_archive(path, files)
-    return path
+def describe(model: Model, name: str, guid: str, files: list[str]) -> dict[str, dict[str, str]]:
+    """{FMI version: {file in the archive: text}}: what says what is in the FMU."""
+    sources = {version: [f for f in sources_of(version, files) if f.endswith(".c")] for version in VERSIONS["both"]}
+    return {
+        "2": {"modelDescription.xml": describe_fmi2(model, name, guid, sources["2"])},
+        "3": {
+            "modelDescription.xml": describe_fmi3(model, name, guid),
+            "sources/buildDescription.xml": describe_build(name, sources["3"]),
+        },
+    }
+
+
+def sources_of(version: str, files: list[str]) -> list[str]:
+    """The files that an FMU of this version carries: the other version's layer needs headers that importers lack."""
+    other = "fmi3_" if version == "2" else "fmi2_"
+    return sorted(file for file in files if not file.startswith(other))
+
+
+def pack(contents: Contents, files: Mapping[str, Path]) -> None:
+    """Compile the sources and write an archive for each version; files: {FMI version: path}."""
+    suffix, log = platform("2")[1], next(iter(files.values())).with_name(f"{contents.name}.log")
+    library = compile_sources(contents.sources, contents.name + suffix, log)
+    for version, path in files.items():
+        sources = sources_of(version, list(contents.sources))
+        members = {f"sources/{file}": contents.sources[file].encode() for file in sources}
+        members |= {file: text.encode() for file, text in contents.descriptions[version].items()}
+        members[f"binaries/{platform(version)[0]}/{contents.name}{suffix}"] = library
+        write_archive(path, members)
 
 
 def compile_sources(sources: Mapping[str, str], library: str, log: Path) -> bytes:
@@ -148,7 +191,7 @@ def compile_sources(sources: Mapping[str, str], library: str, log: Path) -> byte
         return (Path(folder) / library).read_bytes()
 
 
-def guid_of(parts: Mapping[str, str]) -> str:
+def guid_of(parts: Mapping[str, object]) -> str:
     """A GUID made from content: the same sources give the same."""
     h = hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"

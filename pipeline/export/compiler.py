@@ -9,11 +9,14 @@ import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from platform import uname
 
 from pipeline.errors import ExportError
 
 FLAGS = ["-O2", "-fPIC", "-shared", "-std=c11", "-ffp-contract=off", "-fvisibility=hidden", "-fno-math-errno"]
 PLATFORMS = {"linux": ("linux64", ".so"), "darwin": ("darwin64", ".dylib"), "win32": ("win64", ".dll")}
+
+ARCHITECTURES = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
 
 
 def find_compiler() -> list[str]:
@@ -50,9 +53,17 @@ def headers() -> Path:
     return Path(spec.origin).parent / "c-code"
 
 
-def platform() -> tuple[str, str]:
-    """(folder under binaries/, suffix of a library) of this machine, as FMI 2.0 names them."""
-    return PLATFORMS.get(sys.platform, PLATFORMS["linux"])
+def platform(fmi: str = "2") -> tuple[str, str]:
+    """(folder under binaries/, suffix of a library) of this machine, as FMI 2.0 or 3.0 (3.0.2, 2.5.1.4) names them."""
+    folder, suffix = PLATFORMS.get(sys.platform, PLATFORMS["linux"])
+    return (folder if fmi == "2" else platform_tuple(), suffix)
+
+
+def platform_tuple() -> str:
+    """Architecture and operating system, for example `x86_64-linux`."""
+    machine = uname().machine.lower()
+    system = {"darwin": "darwin", "win32": "windows"}.get(sys.platform, "linux")
+    return f"{ARCHITECTURES.get(machine, machine)}-{system}"
 
 
 def compile_library(sources: list[Path], library: Path, log: Path) -> None:

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from pipeline.errors import ExportError
-from pipeline.export.build import Built, export
+from pipeline.export.build import SUFFIX, VERSIONS, Built, export
 from pipeline.export.classes import find_models
 from pipeline.export.codegen import identifier
 
@@ -26,23 +26,30 @@ def list_models(modelica: Path) -> list[str]:
     return models
 
 
-def build_foreign(modelica: Path, model: str | None, output: Path | None = None) -> Built:
-    """The FMU of `model`, written to `output` (None: `<model_in_snake_case>.fmu` here); ExportError."""
+def build_foreign(modelica: Path, model: str | None, output: Path | None = None, fmi: str = "2") -> list[Built]:
+    """The FMUs of `model`, written to `output` (None: `<model_in_snake_case>.fmu` here); ExportError.
+
+    fmi: "2", "3" or "both": then the FMI 3.0 one stands beside it, `_fmi3` behind its name.
+    """
     models = list_models(modelica)
     if model is None:
         raise ExportError(f"{modelica}: give --model, one of {some(models)}")
     path = output or Path(f"{identifier(model)}.fmu")
     if path.suffix != ".fmu":
         raise ExportError(f"{path}: an FMU's file name ends in .fmu")
+    files = {version: path.with_stem(path.stem + SUFFIX[version]) for version in VERSIONS[fmi]}
+    if output and len(files) == 1:
+        files = {fmi: output}
     started = time.perf_counter()
     try:
-        export(modelica, model, path)
+        export(modelica, model, files)
     except ExportError as error:
         if model in models or "front end refuses" not in str(error):
             raise
         near = get_close_matches(model, models, SHOWN, cutoff=0.4) or models
         raise ExportError(f"{modelica}: no model {model}; there are {some(near)}") from error
-    return Built(path.stem, path, time.perf_counter() - started, False)
+    seconds = time.perf_counter() - started
+    return [Built(path.stem, file, seconds, False) for file in files.values()]
 
 
 def some(names: list[str]) -> str:

@@ -1,7 +1,8 @@
-"""The model description of an FMU (FMI 2.0.5, section 2.2): modelDescription.xml."""
+"""The model description of an FMU: what FMI 2.0 and 3.0 say alike. Each version has its writer in a file of its own."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import casadi as ca
@@ -11,45 +12,33 @@ from pipeline.export.equations import Model
 from pipeline.export.units import parse
 from pipeline.export.variables import KINDS, Variable
 
-CAPABILITIES = {
-    "canNotUseMemoryManagementFunctions": "true",
-    "canGetAndSetFMUstate": "true",
-    "canSerializeFMUstate": "true",
-}
 
-
-def describe(model: Model, name: str, guid: str, sources: list[str]) -> str:
-    """modelDescription.xml of FMI 2.0 for Model Exchange and Co-Simulation."""
-    root = ET.Element(
+def begin(model: Model, version: str, token: dict[str, str]) -> ET.Element:
+    """The root element: version, name and what else identifies the FMU."""
+    return ET.Element(
         "fmiModelDescription",
-        fmiVersion="2.0",
+        fmiVersion=version,
         modelName=model.name.rsplit(".", 1)[-1],
-        guid=guid,
+        **token,
         description=model.description,
         generationTool=f"fmuid {__version__}",
         variableNamingConvention="structured",
-        numberOfEventIndicators=str(len(model.events.relations)),
     )
-    for kind in ("ModelExchange", "CoSimulation"):
-        element = ET.SubElement(root, kind, modelIdentifier=name, **CAPABILITIES)
-        if kind == "CoSimulation":
-            element.set("canHandleVariableCommunicationStepSize", "true")
-        files = ET.SubElement(element, "SourceFiles")
-        for source in sources:
-            ET.SubElement(files, "File", name=source)
-    variables = [variable for kind in KINDS for variable in model.variables[kind]]
-    _add_units(root, variables)
-    categories = ET.SubElement(root, "LogCategories")
-    for category in ("logStatusDiscard", "logStatusError"):
-        ET.SubElement(categories, "Category", name=category)
-    _add_experiment(root, model.experiment)
-    _add_variables(root, model, variables)
-    _add_structure(root, model, variables)
+
+
+def to_text(root: ET.Element) -> str:
+    """The XML file of an element, indented."""
     ET.indent(root)
     return ET.tostring(root, encoding="utf-8", xml_declaration=True).decode() + "\n"
 
 
-def _add_units(root: ET.Element, variables: list[Variable]) -> None:
+def listed(model: Model) -> list[Variable]:
+    """Every variable, in the order of the value references."""
+    return [variable for kind in KINDS for variable in model.variables[kind]]
+
+
+def add_units(root: ET.Element, variables: list[Variable]) -> None:
+    """<UnitDefinitions>, where a variable has a unit."""
     displays: dict[str, set[str]] = {}
     for variable in variables:
         if variable.unit:
@@ -79,7 +68,15 @@ def _set_scale(element: ET.Element, factor: float, offset: float) -> None:
         element.set("offset", repr(offset))
 
 
-def _add_experiment(root: ET.Element, experiment: dict[str, float]) -> None:
+def add_log_categories(root: ET.Element) -> None:
+    """<LogCategories>: the two that the wrapper writes to."""
+    categories = ET.SubElement(root, "LogCategories")
+    for category in ("logStatusDiscard", "logStatusError"):
+        ET.SubElement(categories, "Category", name=category)
+
+
+def add_experiment(root: ET.Element, experiment: dict[str, float]) -> None:
+    """<DefaultExperiment>, where the model has an `experiment` annotation."""
     names = {"StartTime": "startTime", "StopTime": "stopTime", "Tolerance": "tolerance", "Interval": "stepSize"}
     given = {names[key]: repr(value) for key, value in experiment.items() if key in names}
     if given:
@@ -104,31 +101,22 @@ def causality(variable: Variable) -> tuple[str, str, str | None]:
     }[variable.kind]
 
 
-def _add_variables(root: ET.Element, model: Model, variables: list[Variable]) -> None:
-    element = ET.SubElement(root, "ModelVariables")
-    restarted = {
-        v.name for v, x in zip(model.variables["state"], symbols(model.events.x), strict=True) if not x.is_symbolic()
-    }
-    first_state = sum(len(model.variables[kind]) for kind in ("constant", "parameter", "calculated")) + 1
-    first_derivative = variables.index(model.variables["derivative"][0]) if model.variables["derivative"] else 0
-    for i, variable in enumerate(variables):
-        place, variability, initial = causality(variable)
-        scalar = ET.SubElement(element, "ScalarVariable", name=variable.name, valueReference=str(i))
-        if variable.description:
-            scalar.set("description", variable.description)
-        scalar.set("causality", place)
-        scalar.set("variability", variability)
-        if initial:
-            scalar.set("initial", initial)
-        kind = ET.SubElement(scalar, variable.type, type_attributes(variable, initial))
-        if variable.name in restarted:
-            kind.set("reinit", "true")
-        if variable.kind == "derivative":
-            kind.set("derivative", str(first_state + i - first_derivative))
+def describe_variable(element: ET.Element, variable: Variable, reference: int) -> str | None:
+    """Set name, value reference, description, causality and variability of a variable; its `initial`."""
+    place, variability, initial = causality(variable)
+    element.set("name", variable.name)
+    element.set("valueReference", str(reference))
+    if variable.description:
+        element.set("description", variable.description)
+    element.set("causality", place)
+    element.set("variability", variability)
+    if initial:
+        element.set("initial", initial)
+    return initial
 
 
 def type_attributes(variable: Variable, initial: str | None) -> dict[str, str]:
-    """The attributes of <Real>, <Integer> or <Boolean>."""
+    """The attributes that depend on the type: unit, limits, start."""
     attributes: dict[str, str] = {}
     if variable.type == "Real":
         shown = variable.display_unit if variable.unit and displayable(variable) else None
@@ -156,31 +144,55 @@ def literal(variable: Variable, value: float) -> str:
     return str(int(value)) if variable.type == "Integer" else repr(float(value))
 
 
-def _add_structure(root: ET.Element, model: Model, variables: list[Variable]) -> None:
-    structure = ET.SubElement(root, "ModelStructure")
-    position = {variable.name: i + 1 for i, variable in enumerate(variables)}
+def restarted(model: Model) -> set[str]:
+    """The names of the states that an event may change (`reinit`)."""
+    after = zip(model.variables["state"], symbols(model.events.x), strict=True)
+    return {variable.name for variable, x in after if not x.is_symbolic()}
+
+
+@dataclass(frozen=True)
+class Structure:
+    """<ModelStructure>: for every unknown's name the names of the knowns it depends on; `time` may be among them.
+
+    indicators: a set for each event indicator, in their order.
+    """
+
+    outputs: dict[str, set[str]]
+    derivatives: dict[str, set[str]]
+    initial: dict[str, set[str]]
+    indicators: list[set[str]]
+
+
+def structure(model: Model) -> Structure:
+    """The true dependencies of outputs, derivatives and indicators, and of what is computed in the initialisation."""
     solved = solutions(model)
-    outputs = [variable for variable in variables if variable.output and variable.kind != "constant"]
+    outputs = [variable for variable in listed(model) if variable.output and variable.kind != "constant"]
     derivatives = model.variables["derivative"]
-    following = [v for kind in ("state", "discrete") for v in model.variables[kind] if v.start is None]
-    initial = [v for v in outputs if causality(v)[2] == "calculated"]
-    initial += model.variables["calculated"] + [v for v in following if v.kind == "state"] + derivatives
-    running = {v.name for kind in ("input", "state") for v in model.variables[kind]}
-    settable = {v.name for kind in ("constant", "parameter", "input") for v in model.variables[kind]}
-    settable |= {v.name for kind in ("state", "discrete") for v in model.variables[kind] if v.start is not None}
+    running = {v.name for kind in ("input", "state") for v in model.variables[kind]} | {"time"}
     held = dict(zip([s.name() for s in symbols(model.symbols("discrete"))], symbols(model.events.z), strict=True))
-    for name, members, known in (("Outputs", outputs, running), ("Derivatives", derivatives, running)):
-        group = ET.SubElement(structure, name) if members else None
-        for variable in members:
-            used = used_names(solved[variable.name])
-            used |= {n for name in used & held.keys() for n in used_names(held[name])}
-            _add_unknown(group, position, variable.name, used & known)
-    group = ET.SubElement(structure, "InitialUnknowns") if initial else None
-    starts = model.starts | {
-        v.name: e for v, e in zip(model.variables["calculated"], symbols(model.calculated), strict=True)
-    }
-    for variable in sorted({v.name for v in initial}, key=position.__getitem__):
-        _add_unknown(group, position, variable, trace(variable, solved | starts, settable))
+
+    def depends(value: ca.SX) -> set[str]:
+        used = used_names(value)
+        return (used | {n for name in used & held.keys() for n in used_names(held[name])}) & running
+
+    return Structure(
+        outputs={v.name: depends(solved[v.name]) for v in outputs},
+        derivatives={v.name: depends(solved[v.name]) for v in derivatives},
+        initial=_initial(model, outputs, solved),
+        indicators=[depends(relation.indicator) for relation in model.events.relations],
+    )
+
+
+def _initial(model: Model, outputs: list[Variable], solved: dict[str, ca.SX]) -> dict[str, set[str]]:
+    following = [v for v in model.variables["state"] if v.start is None]
+    wanted = {v.name for v in outputs if causality(v)[2] == "calculated"}
+    wanted |= {v.name for v in model.variables["calculated"] + following + model.variables["derivative"]}
+    settable = {v.name for kind in ("constant", "parameter", "input") for v in model.variables[kind]} | {"time"}
+    settable |= {v.name for kind in ("state", "discrete") for v in model.variables[kind] if v.start is not None}
+    calculated = zip(model.variables["calculated"], symbols(model.calculated), strict=True)
+    expressions = solved | model.starts | {v.name: e for v, e in calculated}
+    names = [variable.name for variable in listed(model) if variable.name in wanted]
+    return {name: trace(name, expressions, settable) for name in names}
 
 
 def symbols(vector: ca.SX) -> list[ca.SX]:
@@ -212,9 +224,3 @@ def trace(name: str, expressions: dict[str, ca.SX], known: set[str]) -> set[str]
             elif used in expressions:
                 open_names.append(used)
     return found
-
-
-def _add_unknown(group: ET.Element, position: dict[str, int], name: str, used: set[str]) -> None:
-    indices = sorted(position[item] for item in used)
-    unknown = ET.SubElement(group, "Unknown", index=str(position[name]))
-    unknown.set("dependencies", " ".join(map(str, indices)))

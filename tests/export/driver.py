@@ -7,6 +7,7 @@ from shutil import rmtree
 import fmpy
 import numpy as np
 from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 
 class Archive:
@@ -26,7 +27,7 @@ class Archive:
     @contextmanager
     def model_exchange(self, start=0.0, **values):
         """An initialised Model Exchange instance in Continuous-Time Mode, events of the start handled."""
-        with self._instance(FMU2Model, self.description.modelExchange, start, values) as instance:
+        with self._instance(self.description.modelExchange, start, values) as instance:
             instance.next_event = instance.settle()
             instance.fmu.enterContinuousTimeMode()
             yield instance
@@ -34,18 +35,33 @@ class Archive:
     @contextmanager
     def event_mode(self, start=0.0, **values):
         """An initialised Model Exchange instance in its first Event Mode: the events of the start are still to come."""
-        with self._instance(FMU2Model, self.description.modelExchange, start, values) as instance:
+        with self._instance(self.description.modelExchange, start, values) as instance:
             yield instance
 
     @contextmanager
     def co_simulation(self, start=0.0, **values):
         """An initialised Co-Simulation instance."""
-        with self._instance(FMU2Slave, self.description.coSimulation, start, values) as instance:
+        with self._instance(self.description.coSimulation, start, values) as instance:
             yield instance
 
     @contextmanager
-    def _instance(self, kind, interface, start, values):
-        fmu = kind(
+    def initialization_mode(self, start=0.0, interface="modelExchange", **values):
+        """An instance in Initialization Mode."""
+        with self._instantiated(getattr(self.description, interface), start, values) as instance:
+            yield instance
+
+    @contextmanager
+    def _instance(self, interface, start, values):
+        with self._instantiated(interface, start, values) as instance:
+            instance.fmu.exitInitializationMode()
+            yield instance
+            instance.fmu.terminate()
+
+    @contextmanager
+    def _instantiated(self, interface, start, values):
+        version, co_simulation = self.description.fmiVersion[0], interface is self.description.coSimulation
+        kinds = {"2": (FMU2Model, FMU2Slave, Instance), "3": (FMU3Model, FMU3Slave, Instance3)}[version]
+        fmu = kinds[co_simulation](
             guid=self.description.guid,
             unzipDirectory=self.folder,
             modelIdentifier=interface.modelIdentifier,
@@ -53,13 +69,9 @@ class Archive:
         )
         fmu.instantiate()
         try:
-            instance = Instance(fmu, self)
-            fmu.setupExperiment(startTime=start)
-            instance.set(**values)
-            fmu.enterInitializationMode()
-            fmu.exitInitializationMode()
+            instance = kinds[2](fmu, self)
+            instance.initialize(start, values)
             yield instance
-            fmu.terminate()
         finally:
             fmu.freeInstance()
 
@@ -71,6 +83,12 @@ class Instance:
         self.fmu, self.archive = fmu, archive
         self.x, self.dx = np.empty(len(archive.states)), np.empty(len(archive.states))
         self._x, self._dx = (cast(a.ctypes.data, POINTER(c_double)) for a in (self.x, self.dx))
+
+    def initialize(self, start, values):
+        """Set up, set `values`, enter Initialization Mode."""
+        self.fmu.setupExperiment(startTime=start)
+        self.set(**values)
+        self.fmu.enterInitializationMode()
 
     def set(self, **values):
         """Set variables by keyword; a dotted name has `__` for the dot."""
@@ -127,3 +145,44 @@ class Instance:
         state = self.fmu.deSerializeFMUstate(frozen)
         self.fmu.setFMUstate(state)
         self.fmu.freeFMUstate(state)
+
+
+class Instance3(Instance):
+    """The same with the calls of FMI 3.0."""
+
+    def initialize(self, start, values):
+        self.set(**values)
+        self.fmu.enterInitializationMode(startTime=start)
+
+    def set(self, **values):
+        if values:
+            names = [name.replace("__", ".") for name in values]
+            self.fmu.setFloat64([self.archive.references[n] for n in names], [float(v) for v in values.values()])
+
+    def get(self, *names):
+        return np.array(self.fmu.getFloat64([self.archive.references[n] for n in names]))
+
+    def settle(self):
+        for _ in range(10):
+            needed, _, _, _, defined, when = self.fmu.updateDiscreteStates()
+            if not needed:
+                return when if defined else None
+        raise AssertionError("the event iteration does not end")
+
+    def rhs(self, t, x):
+        self.x[:] = x
+        self.fmu.setTime(t)
+        self.fmu.setContinuousStates(self._x, self.x.size)
+        self.fmu.getContinuousStateDerivatives(self._dx, self.dx.size)
+        return self.dx.copy()
+
+    def save(self):
+        state = self.fmu.getFMUState()
+        frozen = self.fmu.serializeFMUState(state)
+        self.fmu.freeFMUState(state)
+        return frozen
+
+    def load(self, frozen):
+        state = self.fmu.deserializeFMUState(frozen)
+        self.fmu.setFMUState(state)
+        self.fmu.freeFMUState(state)

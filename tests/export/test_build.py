@@ -4,7 +4,8 @@ import os
 import re
 import shutil
 from pathlib import Path
-from xml.etree import ElementTree as ET
+from subprocess import run
+from types import SimpleNamespace
 from zipfile import ZipFile
 
 import fmpy
@@ -64,14 +65,16 @@ def test_all_classes_of_the_order_are_exported_and_reported(package, tmp_path):
     built = build(None, tmp_path / "out", modelica=package, report=lines.append)
     assert [(b.name, b.path.name, b.skipped) for b in built] == [
         ("plant", "plant.fmu", False),
+        ("plant", "plant_fmi3.fmu", False),
         ("plant_loop", "plant_loop.fmu", False),
+        ("plant_loop", "plant_loop_fmi3.fmu", False),
     ]
     assert len(lines) == 2 and all(isinstance(b, Built) and b.path.is_file() for b in built)
 
 
 def test_what_is_up_to_date_is_skipped_and_what_changed_is_not(package, tmp_path):
     def skipped(names=("plant",), **options):
-        return [b.skipped for b in build(names, tmp_path / "out", modelica=package, **options)]
+        return [b.skipped for b in build(names, tmp_path / "out", fmi="2", modelica=package, **options)]
 
     assert skipped() == [False]
     assert skipped() == [True]
@@ -82,6 +85,33 @@ def test_what_is_up_to_date_is_skipped_and_what_changed_is_not(package, tmp_path
     assert skipped() == [False]
     (tmp_path / "out/plant.fmu").write_bytes(b"damaged")
     assert skipped() == [False]
+
+
+def test_each_version_is_up_to_date_by_itself(package, tmp_path):
+    def made(fmi, **options):
+        built = build(["plant"], tmp_path, fmi=fmi, modelica=package, **options)
+        return [b.path.name for b in built if not b.skipped]
+
+    assert made("3") == ["plant_fmi3.fmu"]
+    assert made("3") == []
+    assert made("both") == ["plant.fmu"]
+    assert made("both") == made("2") == []
+    assert made("2", force=True) == ["plant.fmu"]
+    (tmp_path / "plant_fmi3.fmu").unlink()
+    assert made("2") == []
+    assert made("both") == ["plant_fmi3.fmu"]
+    (package / "FMUs/Plant.mo").write_text(PLANT.replace("m=2", "m=7"))
+    assert made("2") == ["plant.fmu"]
+    assert made("both") == ["plant_fmi3.fmu"]
+
+
+def test_both_versions_carry_the_same_library(package, tmp_path):
+    two, three = (built.path for built in build(["plant"], tmp_path, modelica=package))
+    libraries = [
+        [ZipFile(path).read(name) for name in ZipFile(path).namelist() if name.startswith("binaries/")]
+        for path in (two, three)
+    ]
+    assert len(libraries[0]) == 1 and libraries[0] == libraries[1]
 
 
 def test_another_compiler_builds_again_and_without_one_what_is_there_serves(package, tmp_path, monkeypatch):
@@ -140,8 +170,10 @@ def test_a_start_value_of_nothing_is_refused(package, tmp_path):
 def test_an_unknown_name_or_version_is_refused(package, tmp_path):
     with pytest.raises(ExportError, match="no FMU robot: there are plant, plant_loop"):
         build(["robot"], tmp_path, modelica=package)
-    with pytest.raises(ExportError, match="FMI version 3"):
-        build(None, tmp_path, fmi="3", modelica=package)
+    with pytest.raises(ExportError, match="no FMU plant_fmi3: there are plant, plant_loop; --fmi chooses the version"):
+        build(["plant_fmi3"], tmp_path, modelica=package)
+    with pytest.raises(ExportError, match="FMI version 1: there are 2, 3 and both"):
+        build(None, tmp_path, fmi="1", modelica=package)
     with pytest.raises(ExportError, match="no FMUs/package.order"):
         exported(tmp_path)
 
@@ -165,14 +197,42 @@ def test_a_compiler_that_fails_leaves_a_log(package, tmp_path, monkeypatch):
     assert not (tmp_path / "out/plant.fmu").exists()
 
 
-def test_an_fmu_holds_its_sources_without_the_headers_of_fmi(package, tmp_path):
-    path = build(["plant"], tmp_path, modelica=package)[0].path
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_an_fmu_holds_the_sources_of_its_version_without_the_headers_of_fmi(package, tmp_path, version):
+    path = build(["plant"], tmp_path, fmi=version, modelica=package)[0].path
     names = ZipFile(path).namelist()
-    assert {"modelDescription.xml", "sources/model.c", "sources/integrate.c"} <= set(names)
+    other = {"2": "fmi3_", "3": "fmi2_"}[version]
+    assert {"modelDescription.xml", "sources/model.c", "sources/integrate.c", "sources/model_counts.h"} <= set(names)
     assert not any(Path(name).name in os.listdir(compiler.headers()) for name in names)
-    root = ET.fromstring(ZipFile(path).read("modelDescription.xml"))
-    listed = [file.get("name") for file in root.find("CoSimulation").iter("File")]
-    assert sorted(f"sources/{name}" for name in listed) == [name for name in names if name.endswith(".c")]
+    assert not any(other in name for name in names)
+    files = fmpy.read_model_description(str(path)).buildConfigurations[0].sourceFileSets[0].sourceFiles
+    assert sorted(f"sources/{name}" for name in files) == [name for name in names if name.endswith(".c")]
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_the_sources_compile_by_themselves_to_the_functions_of_their_version(package, tmp_path, version):
+    path = build(["plant"], tmp_path, fmi=version, modelica=package)[0].path
+    folder = fmpy.extract(str(path), str(tmp_path / "unpacked"))
+    files = sorted(Path(folder, "sources").glob("*.[ch]"))
+    compiler.compile_library(files, tmp_path / "plant.so", tmp_path / "log")
+    shown = run(["nm", "-D", "--defined-only", tmp_path / "plant.so"], capture_output=True, text=True, check=True)
+    names = [line.split()[-1] for line in shown.stdout.splitlines()]
+    assert len(names) == {"2": 44, "3": 75}[version] and all(name.startswith(f"fmi{version}") for name in names)
+
+
+@pytest.mark.parametrize(
+    ("system", "machine", "folder"),
+    [
+        ("linux", "x86_64", "x86_64-linux"),
+        ("linux", "aarch64", "aarch64-linux"),
+        ("darwin", "arm64", "aarch64-darwin"),
+        ("win32", "AMD64", "x86_64-windows"),
+    ],
+)
+def test_the_platforms_of_fmi_3_are_tuples(monkeypatch, system, machine, folder):
+    monkeypatch.setattr(compiler.sys, "platform", system)
+    monkeypatch.setattr(compiler, "uname", lambda: SimpleNamespace(machine=machine))
+    assert compiler.platform("3")[0] == folder
 
 
 def test_an_archive_does_not_remember_when_it_was_written(tmp_path):

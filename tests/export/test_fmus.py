@@ -55,15 +55,16 @@ def drive(instance, name, u):
     return np.array(rows)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", NAMES + [f"{name}_fmi3" for name in NAMES])
 def test_fmpy_finds_nothing_to_complain_about(fmus, name):
     assert validate_fmu(str(fmus / f"{name}.fmu")) == []
 
 
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
 @pytest.mark.parametrize("name", NAMES)
-def test_both_interfaces_and_no_external_state_are_declared(archives, name):
-    description = archives(name).description
-    assert description.fmiVersion == "2.0"
+def test_both_interfaces_and_no_external_state_are_declared(archives, name, version):
+    description = archives(name if version == "2.0" else f"{name}_fmi3").description
+    assert description.fmiVersion == version
     for interface in (description.modelExchange, description.coSimulation):
         assert interface.canGetAndSetFMUstate and interface.canSerializeFMUstate
 

@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from fmpy.validation import validate_fmu
 
-from pipeline.export.model_description import describe
+from pipeline.export.model_description_fmi2 import describe
 from tests.export.language import archive_of, model_of
 
 MODEL = """

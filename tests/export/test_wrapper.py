@@ -232,8 +232,9 @@ def test_a_structural_parameter_is_a_constant_of_the_fmu(archive):
             instance.fmu.setInteger(reference, [3])
 
 
-def test_the_library_shows_the_44_functions_of_fmi_2_and_nothing_else(archive):
+def test_the_library_shows_the_44_functions_of_fmi_2_the_75_of_fmi_3_and_nothing_else(archive):
     (library,) = Path(archive.folder).rglob("M.so")
     symbols = run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
     names = [line.split()[-1] for line in symbols.splitlines()]
-    assert len(names) == 44 and all(name.startswith("fmi2") for name in names)
+    assert [sum(name.startswith(f"fmi{version}") for name in names) for version in (2, 3)] == [44, 75]
+    assert len(names) == 44 + 75

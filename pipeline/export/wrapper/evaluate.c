@@ -16,6 +16,23 @@ bool fail(Instance *c, const char *format, ...) {
 
 const char *not_finite(double value) { return isnan(value) ? "not a number" : "infinite"; }
 
+bool in_mode(Instance *c, int modes) {
+    static const struct { int mode; const char *name; } NAMES[] = {
+        {INSTANTIATED, "Instantiated"}, {INITIALIZATION, "Initialization Mode"}, {EVENT, "Event Mode"},
+        {CONTINUOUS, "Continuous-Time Mode"}, {STEP, "Step Mode"}, {TERMINATED, "Terminated"}};
+    if (c->memory.mode & modes) return true;
+    const char *now = "", *wanted = "";
+    for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++) {
+        if (NAMES[i].mode & c->memory.mode) now = NAMES[i].name;
+        if (NAMES[i].mode & modes && !*wanted) wanted = NAMES[i].name;
+    }
+    return fail(c, "not allowed in the state %s (first allowed in: %s)", now, wanted);
+}
+
+bool right_count(Instance *c, size_t n, size_t expected, const char *what) {
+    return n == expected || fail(c, "%zu %s asked for, %s has %zu", n, what, MODEL_NAME, expected);
+}
+
 void reset(Instance *c) {
     memset(&c->memory, 0, sizeof c->memory);
     for (size_t i = 0; i < N_VALUES; i++) c->memory.values[i] = VARIABLES[i].start;
@@ -23,9 +40,24 @@ void reset(Instance *c) {
     c->memory.stale = STALE_ALL;
 }
 
-void changed(Instance *c) {
-    c->memory.stale |= STALE_CALCULATED | STALE_DERIVATIVES | STALE_ALGEBRAICS;
+static void moved(Instance *c) {
+    c->memory.stale |= STALE_DERIVATIVES | STALE_ALGEBRAICS;
     if (c->memory.mode & (INSTANTIATED | INITIALIZATION)) c->memory.stale |= STALE_START;
+}
+
+void changed(Instance *c) {
+    c->memory.stale |= STALE_CALCULATED;
+    moved(c);
+}
+
+void set_time(Instance *c, double time) {
+    c->memory.time = time;
+    moved(c);
+}
+
+void set_states(Instance *c, const double *x) {
+    memcpy(X(c), x, N_STATES * sizeof *x);
+    moved(c);
 }
 
 static void start_values(Instance *c, const double **arguments) {
@@ -38,6 +70,18 @@ static void start_values(Instance *c, const double **arguments) {
         if (VARIABLES[FIRST_DISCRETE + i].kind == FOLLOWING_DISCRETE) Z(c)[i] = z[i];
 }
 
+/* Before the first event no relation is held: each follows from the start values. */
+static void start_relations(Instance *c, const double **arguments) {
+    double truth[N_RELATIONS + 1];
+    double *results[] = {truth, W(c)};
+    for (int k = 0; k < MAX_ITERATIONS; k++) {
+        model_relations(arguments, results, NULL, NULL, 0);
+        bool settled = !memcmp(truth, c->memory.relations, N_RELATIONS * sizeof *truth);
+        memcpy(c->memory.relations, truth, N_RELATIONS * sizeof *truth);
+        if (settled) return;
+    }
+}
+
 void refresh(Instance *c, int what) {
     Memory *m = &c->memory;
     const double *arguments[] = {&m->time, X(c), U(c), P(c), Z(c), m->relations};
@@ -46,7 +90,10 @@ void refresh(Instance *c, int what) {
         double *results[] = {m->values + FIRST_CALCULATED};
         model_calculated(arguments, results, NULL, NULL, 0);
     }
-    if (m->stale & STALE_START) start_values(c, arguments);
+    if (m->stale & STALE_START) {
+        start_values(c, arguments);
+        start_relations(c, arguments);
+    }
     m->stale &= ~(STALE_CALCULATED | STALE_START);
     if (m->stale & what & STALE_DERIVATIVES) {
         double *results[] = {DX(c)};

@@ -9,7 +9,6 @@
    0 and 1 s, but never more than this part of a sample period. */
 #define TIME_TOLERANCE 1e-8
 #define PERIOD_TOLERANCE 1e-4
-#define MAX_ITERATIONS 100
 
 static double instant(const Memory *m, size_t i) { return m->phases[i] + m->ticks[i] * m->periods[i]; }
 
@@ -95,16 +94,20 @@ bool handle_event(Instance *c, bool initial) {
     return fail(c, "the event at time %g s does not settle: relations keep switching", c->memory.time);
 }
 
+/* An event that the importer has entered. */
+bool run_event(Instance *c, Outcome *outcome) {
+    double before[N_STATES + 1], how_exactly;
+    memcpy(before, X(c), N_STATES * sizeof *before);
+    if (!handle_event(c, false)) return false;
+    outcome->states_changed = memcmp(before, X(c), N_STATES * sizeof *before) != 0;
+    outcome->next_time = next_tick(c, &how_exactly);
+    outcome->next_defined = outcome->next_time < DBL_MAX;
+    return true;
+}
+
 /* The end of the initialisation. No relation rises here: a when-clause acts from now on. */
 bool start_events(Instance *c) {
     refresh(c, 0);
     if (!start_clocks(c)) return false;
-    for (int k = 0; k < MAX_ITERATIONS; k++) {
-        double truth[N_RELATIONS + 1], indicator[N_RELATIONS + 1];
-        indicators(c, truth, indicator);
-        bool settled = !memcmp(truth, c->memory.relations, N_RELATIONS * sizeof *truth);
-        memcpy(c->memory.relations, truth, N_RELATIONS * sizeof *truth);
-        if (settled) break;
-    }
     return handle_event(c, true);
 }

@@ -1,30 +1,17 @@
 /* FMI 2.0: Co-Simulation. */
 #include "fmi2_layer.h"
 
-#include <math.h>
-
 fmi2Status fmi2DoStep(fmi2Component pointer, fmi2Real time, fmi2Real step, fmi2Boolean no_set_prior) {
     (void)no_set_prior;
     ENTER(STEP);
-    if (!isfinite(time) || !isfinite(step)) {
-        fail(c, "the time or the communication step is %s", not_finite(time + step));
-        return report(component, fmi2Error, __func__);
-    }
-    if (step < 0) {
-        fail(c, "the communication step is %g s at time %g s: it must not be negative", step, time);
-        return report(component, fmi2Error, __func__);
-    }
-    if (fabs(time - c->memory.time) > 1e-6 * (step + fabs(time))) {
-        fail(c, "the step starts at %.9g s, but the instance stands at %.9g s", time, c->memory.time);
-        return report(component, fmi2Error, __func__);
-    }
-    return do_step(c, time, step) ? fmi2OK : report(component, fmi2Discard, __func__);
+    if (!step_allowed(c, time, step)) return report2(component, fmi2Error, __func__);
+    return do_step(c, time, step) ? fmi2OK : report2(component, fmi2Discard, __func__);
 }
 
 fmi2Status fmi2CancelStep(fmi2Component pointer) {
     ENTER(STEP);
     fail(c, "no step is under way: steps are not asynchronous");
-    return report(component, fmi2Error, __func__);
+    return report2(component, fmi2Error, __func__);
 }
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component pointer, const fmi2ValueReference vr[], size_t n,
@@ -32,7 +19,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component pointer, const fmi2ValueRef
     (void)vr, (void)n, (void)order, (void)value;
     ENTER(ANY_MODE);
     fail(c, "inputs are held during a step: they have no derivatives");
-    return report(component, fmi2Error, __func__);
+    return report2(component, fmi2Error, __func__);
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component pointer, const fmi2ValueReference vr[], size_t n,
@@ -40,7 +27,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component pointer, const fmi2ValueRe
     (void)vr, (void)n, (void)order, (void)value;
     ENTER(ANY_MODE);
     fail(c, "%s provides no derivatives of outputs", MODEL_NAME);
-    return report(component, fmi2Error, __func__);
+    return report2(component, fmi2Error, __func__);
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component pointer, const fmi2StatusKind kind, fmi2Real *value) {
@@ -50,13 +37,13 @@ fmi2Status fmi2GetRealStatus(fmi2Component pointer, const fmi2StatusKind kind, f
         return fmi2OK;
     }
     fail(c, "this status is known of asynchronous steps only");
-    return report(component, fmi2Discard, __func__);
+    return report2(component, fmi2Discard, __func__);
 }
 
 static fmi2Status no_status(fmi2Component pointer, const char *function) {
     ENTER_AS(ANY_MODE, function);
     fail(c, "this status is known of asynchronous steps only");
-    return report(component, fmi2Discard, function);
+    return report2(component, fmi2Discard, function);
 }
 
 fmi2Status fmi2GetStatus(fmi2Component pointer, const fmi2StatusKind kind, fmi2Status *value) {

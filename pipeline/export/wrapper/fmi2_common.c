@@ -1,30 +1,15 @@
 /* FMI 2.0: what Model Exchange and Co-Simulation have in common. */
 #include "fmi2_layer.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-fmi2Status report(Component *component, fmi2Status status, const char *function) {
+fmi2Status report2(Component2 *component, fmi2Status status, const char *function) {
     const char *category = status == fmi2Discard ? "logStatusDiscard" : "logStatusError";
     if (component->callbacks.logger)
         component->callbacks.logger(component->callbacks.componentEnvironment, component->name, status, category,
                                     "%s: %s", function, component->instance.message);
     return status;
-}
-
-fmi2Status check_mode(Component *component, int modes, const char *function) {
-    static const struct { int mode; const char *name; } NAMES[] = {
-        {INSTANTIATED, "Instantiated"}, {INITIALIZATION, "Initialization Mode"}, {EVENT, "Event Mode"},
-        {CONTINUOUS, "Continuous-Time Mode"}, {STEP, "Step Mode"}, {TERMINATED, "Terminated"}};
-    Instance *c = &component->instance;
-    const char *now = "", *wanted = "";
-    for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++) {
-        if (NAMES[i].mode & c->memory.mode) now = NAMES[i].name;
-        if (NAMES[i].mode & modes && !*wanted) wanted = NAMES[i].name;
-    }
-    fail(c, "not allowed in the state %s (first allowed in: %s)", now, wanted);
-    return report(component, fmi2Error, function);
 }
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -41,7 +26,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component pointer, fmi2Boolean on, size_t n, 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     (void)resources, (void)visible;
-    Component *component = calloc(1, sizeof *component);
+    Component2 *component = calloc(1, sizeof *component);
     if (!component) return NULL;
     if (callbacks) component->callbacks = *callbacks;
     component->logging = logging;
@@ -52,13 +37,13 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (component->name && guid && !strcmp(guid, MODEL_GUID)) return component;
     fail(&component->instance, "the GUID is %s, but the model description of %s must have %s", guid ? guid : "missing",
          MODEL_NAME, MODEL_GUID);
-    report(component, fmi2Error, __func__);
+    report2(component, fmi2Error, __func__);
     fmi2FreeInstance(component);
     return NULL;
 }
 
 void fmi2FreeInstance(fmi2Component pointer) {
-    Component *component = pointer;
+    Component2 *component = pointer;
     if (!component) return;
     free(component->name);
     free(component);
@@ -68,7 +53,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component pointer, fmi2Boolean tolerance_defi
                                fmi2Real start_time, fmi2Boolean stop_time_defined, fmi2Real stop_time) {
     (void)tolerance_defined, (void)tolerance, (void)stop_time_defined, (void)stop_time;
     ENTER(INSTANTIATED);
-    c->memory.time = start_time;
+    set_time(c, start_time);
     return fmi2OK;
 }
 
@@ -80,7 +65,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component pointer) {
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component pointer) {
     ENTER(INITIALIZATION);
-    if (!start_events(c)) return report(component, fmi2Error, __func__);
+    if (!start_events(c)) return report2(component, fmi2Error, __func__);
     c->memory.mode = c->co_simulation ? STEP : EVENT;
     return fmi2OK;
 }
@@ -112,7 +97,7 @@ static fmi2Status get_integers(fmi2Component pointer, const fmi2ValueReference v
     ENTER_AS(ANY_MODE, function);
     for (size_t i = 0; i < n; i++) {
         double number;
-        if (!get_values(c, vr + i, 1, type, &number)) return report(component, fmi2Error, function);
+        if (!get_values(c, vr + i, 1, type, &number)) return report2(component, fmi2Error, function);
         value[i] = (int)number;
     }
     return fmi2OK;
@@ -123,7 +108,7 @@ static fmi2Status set_integers(fmi2Component pointer, const fmi2ValueReference v
     ENTER_AS(ANY_MODE, function);
     for (size_t i = 0; i < n; i++) {
         double number = type == BOOLEAN ? value[i] != 0 : value[i];
-        if (!set_values(c, vr + i, 1, type, &number)) return report(component, fmi2Error, function);
+        if (!set_values(c, vr + i, 1, type, &number)) return report2(component, fmi2Error, function);
     }
     return fmi2OK;
 }
@@ -148,7 +133,7 @@ static fmi2Status no_strings(fmi2Component pointer, size_t n, const char *functi
     ENTER_AS(ANY_MODE, function);
     if (!n) return fmi2OK;
     fail(c, "%s has no String variables", MODEL_NAME);
-    return report(component, fmi2Error, function);
+    return report2(component, fmi2Error, function);
 }
 
 fmi2Status fmi2GetString(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
@@ -167,5 +152,5 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component pointer, const fmi2ValueRe
     (void)unknown, (void)n_unknown, (void)known, (void)n_known, (void)dknown, (void)dunknown;
     ENTER(ANY_MODE);
     fail(c, "%s provides no directional derivatives", MODEL_NAME);
-    return report(component, fmi2Error, __func__);
+    return report2(component, fmi2Error, __func__);
 }

@@ -11,10 +11,14 @@
 typedef enum {
     INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, STEP = 16, TERMINATED = 32
 } Mode;
+#define RUNNING (EVENT | CONTINUOUS | STEP)
+#define ANY_MODE (INSTANTIATED | INITIALIZATION | RUNNING | TERMINATED)
 
 /* What has to be computed again before it is read. */
 enum { STALE_CALCULATED = 1, STALE_START = 2, STALE_DERIVATIVES = 4, STALE_ALGEBRAICS = 8 };
 #define STALE_ALL (STALE_CALCULATED | STALE_START | STALE_DERIVATIVES | STALE_ALGEBRAICS)
+
+#define MAX_ITERATIONS 100  /* of relations that depend on each other */
 
 /* Everything an FMU state holds: plain numbers, copied as a whole. */
 typedef struct {
@@ -40,9 +44,16 @@ typedef struct {
 #define U(c) ((c)->memory.values + FIRST_INPUT)
 #define DX(c) ((c)->memory.values + FIRST_DERIVATIVE)
 #define Y(c) ((c)->memory.values + FIRST_ALGEBRAIC)
+#define W(c) ((c)->memory.values + FIRST_INDICATOR)
 
 /* Keep a message for the log. Always false, so that a check can end with it. */
 bool fail(Instance *c, const char *format, ...);
+
+/* Nothing is wrong in these modes; otherwise the message names the one the instance stands in. */
+bool in_mode(Instance *c, int modes);
+
+/* An array of the caller has the length it must have. */
+bool right_count(Instance *c, size_t n, size_t expected, const char *what);
 
 /* What to say of a number that is infinite or none, whose printed form differs from machine to machine. */
 const char *not_finite(double value);
@@ -50,6 +61,8 @@ const char *not_finite(double value);
 /* evaluate.c */
 void reset(Instance *c);
 void changed(Instance *c);             /* a value was set */
+void set_time(Instance *c, double time);
+void set_states(Instance *c, const double *x);
 void refresh(Instance *c, int what);   /* compute what is stale */
 void derivatives(Instance *c, double time, const double *x, double *dx);
 bool finite_derivatives(Instance *c, double time, const double *dx);
@@ -60,12 +73,26 @@ bool get_values(Instance *c, const unsigned *references, size_t n, Type type, do
 bool set_values(Instance *c, const unsigned *references, size_t n, Type type, const double *values);
 
 /* events.c */
+typedef struct {
+    bool states_changed, next_defined;
+    double next_time;
+} Outcome;
+
 bool start_events(Instance *c);
 bool handle_event(Instance *c, bool initial);
+bool run_event(Instance *c, Outcome *outcome);
 bool tick_due(const Instance *c);
 double next_tick(const Instance *c, double *tolerance);
 
 /* integrate.c */
+bool step_allowed(Instance *c, double time, double step);
 bool do_step(Instance *c, double time, double step);
+
+/* state.c: the FMU state is a copy of the memory, serialised behind the model's GUID */
+size_t state_size(void);
+bool keep_state(Instance *c, void **state);
+bool restore_state(Instance *c, const void *state);
+bool write_state(Instance *c, const void *state, void *bytes, size_t size);
+bool read_state(Instance *c, const void *bytes, size_t size, void **state);
 
 #endif

@@ -82,6 +82,15 @@ static bool integrate(Instance *c, double duration) {
     return true;
 }
 
+bool step_allowed(Instance *c, double time, double step) {
+    if (!isfinite(time) || !isfinite(step))
+        return fail(c, "the time or the communication step is %s", not_finite(time + step));
+    if (step < 0) return fail(c, "the communication step is %g s at time %g s: it must not be negative", step, time);
+    if (fabs(time - c->memory.time) > 1e-6 * (step + fabs(time)))
+        return fail(c, "the step starts at %.9g s, but the instance stands at %.9g s", time, c->memory.time);
+    return true;
+}
+
 /* From one communication point to the next. Sample instants at its start tick first, on the inputs as they now are;
    those within it split the integration; one at its end belongs to the next step. */
 bool do_step(Instance *c, double time, double step) {

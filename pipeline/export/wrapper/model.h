@@ -7,7 +7,8 @@
 
 #include "model_counts.h"
 
-/* The values of all variables stand in one array, in this order; a value reference is an index into it. */
+/* The values of all variables stand in one array, in this order; a value reference is an index into it. The last one,
+   behind them, is that of time. */
 #define FIRST_PARAMETER 0
 #define FIRST_CALCULATED (N_CONSTANTS + N_PARAMETERS)
 #define FIRST_STATE (FIRST_CALCULATED + N_CALCULATED)
@@ -15,14 +16,17 @@
 #define FIRST_INPUT (FIRST_DISCRETE + N_DISCRETES)
 #define FIRST_DERIVATIVE (FIRST_INPUT + N_INPUTS)
 #define FIRST_ALGEBRAIC (FIRST_DERIVATIVE + N_STATES)
-#define N_VALUES (FIRST_ALGEBRAIC + N_ALGEBRAICS)
+#define FIRST_INDICATOR (FIRST_ALGEBRAIC + N_ALGEBRAICS)
+#define N_VALUES (FIRST_INDICATOR + N_RELATIONS)
+#define TIME N_VALUES
 
 typedef enum { REAL, INTEGER, BOOLEAN } Type;
 
 /* Who may set a variable, and when: see SETTABLE in values.c. The start value of a FOLLOWING state or discrete variable
    is computed from parameters. */
 typedef enum {
-    CONSTANT, FIXED, TUNABLE, CALCULATED, STATE, FOLLOWING_STATE, DISCRETE, FOLLOWING_DISCRETE, INPUT, COMPUTED
+    CONSTANT, FIXED, TUNABLE, CALCULATED, STATE, FOLLOWING_STATE, DISCRETE, FOLLOWING_DISCRETE, INPUT, COMPUTED,
+    INDEPENDENT
 } Kind;
 
 typedef struct {

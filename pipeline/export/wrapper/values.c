@@ -16,6 +16,7 @@ static const int SETTABLE[] = {
     [FOLLOWING_DISCRETE] = 0,
     [INPUT] = INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP,
     [COMPUTED] = 0,
+    [INDEPENDENT] = 0,
 };
 
 static const char *const WHEN[] = {
@@ -29,25 +30,33 @@ static const char *const WHEN[] = {
     [FOLLOWING_DISCRETE] = "a discrete variable whose start value follows from parameters",
     [INPUT] = "an input of a terminated instance",
     [COMPUTED] = "computed by the equations",
+    [INDEPENDENT] = "the independent variable",
 };
 
 static const char *const TYPES[] = {"Real", "Integer", "Boolean"};
 
 static bool known(Instance *c, unsigned reference, Type type) {
-    if (reference < N_VALUES && VARIABLES[reference].type == type) return true;
+    if (reference <= TIME && VARIABLES[reference].type == type) return true;
     return fail(c, "value reference %u is no %s variable of %s", reference, TYPES[type], MODEL_NAME);
+}
+
+static double value_of(Instance *c, unsigned reference) {
+    double truth[N_RELATIONS + 1];
+    if (reference == TIME) return c->memory.time;
+    if (reference >= FIRST_INDICATOR)
+        indicators(c, truth, W(c));
+    else if (reference >= FIRST_ALGEBRAIC)
+        refresh(c, STALE_ALGEBRAICS);
+    else if (reference >= FIRST_DERIVATIVE)
+        refresh(c, STALE_DERIVATIVES);
+    return c->memory.values[reference];
 }
 
 bool get_values(Instance *c, const unsigned *references, size_t n, Type type, double *values) {
     refresh(c, 0);
     for (size_t i = 0; i < n; i++) {
-        unsigned reference = references[i];
-        if (!known(c, reference, type)) return false;
-        if (reference >= FIRST_ALGEBRAIC)
-            refresh(c, STALE_ALGEBRAICS);
-        else if (reference >= FIRST_DERIVATIVE)
-            refresh(c, STALE_DERIVATIVES);
-        values[i] = c->memory.values[reference];
+        if (!known(c, references[i], type)) return false;
+        values[i] = value_of(c, references[i]);
     }
     return true;
 }

@@ -1,0 +1,60 @@
+"""FMI 2.0 and 3.0 of one FMU: the same trajectories to the last bit; the FMU state replays in a process of its own."""
+
+import sys
+from subprocess import run
+
+import numpy as np
+import pytest
+
+from tests.export.test_fmus_states import DRIVEN, march, march_exchange
+
+INTERFACES = {"co_simulation": march, "model_exchange": march_exchange}
+VERSIONS = ("", "_fmi3")
+
+REPLAY = """
+import sys
+from tests.export.driver import Archive
+from tests.export.test_versions import INTERFACES
+path, name, interface, due = sys.argv[1:]
+archive = Archive(path)
+try:
+    with getattr(archive, interface)() as instance:
+        instance.load(sys.stdin.buffer.read())
+        instance.next_event = float(due) if due != "None" else None
+        sys.stdout.write(INTERFACES[interface](instance, name, 23, 60).tobytes().hex())
+finally:
+    archive.close()
+"""
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_both_versions_give_the_same_trajectories_to_the_last_bit(archives, name, interface):
+    runs = []
+    for version in VERSIONS:
+        with getattr(archives(name + version), interface)() as instance:
+            runs.append(INTERFACES[interface](instance, name, 0, 60))
+    assert np.ptp(runs[0], axis=0).min() > 0
+    assert runs[0].tobytes() == runs[1].tobytes()
+
+
+@pytest.mark.parametrize("version", VERSIONS, ids=["FMI 2", "FMI 3"])
+@pytest.mark.parametrize("name", DRIVEN)
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_a_serialised_state_replays_bit_for_bit_in_a_new_process(archives, name, interface, version):
+    archive = archives(name + version)
+    with getattr(archive, interface)() as instance:
+        INTERFACES[interface](instance, name, 0, 23)
+        frozen, due = instance.save(), getattr(instance, "next_event", None)
+        expected = INTERFACES[interface](instance, name, 23, 60)
+    arguments = [sys.executable, "-c", REPLAY, str(archive.path), name, interface, repr(due)]
+    found = run(arguments, input=frozen, capture_output=True, check=True).stdout.decode()
+    assert found == expected.tobytes().hex()
+
+
+@pytest.mark.parametrize("name", ["scara", "emps_closed_loop"])
+def test_a_state_of_one_version_continues_in_the_other(archives, name):
+    with archives(name).co_simulation() as one, archives(f"{name}_fmi3").co_simulation() as other:
+        march(one, name, 0, 23)
+        other.load(one.save())
+        assert march(other, name, 23, 60).tobytes() == march(one, name, 23, 60).tobytes()
