@@ -59,7 +59,7 @@ def plants(tmp_path_factory):
     for name, (extra, equations) in MODELS.items():
         source = folder / f"{name}.mo"
         source.write_text(MODEL.format(name=name, extra=extra, equations=equations))
-        export(source, name, folder / f"{name}.fmu")
+        export(source, name, {"2": folder / f"{name}.fmu"})
         (folder / f"{name}.toml").write_text(BINDING.format(name=name))
     return folder
 
