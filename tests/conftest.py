@@ -1,6 +1,5 @@
 """Shared fixtures: the built FMUs, opened archives, the measured data."""
 
-import fcntl
 import os
 from pathlib import Path
 
@@ -11,16 +10,11 @@ from pipeline.paths import FMUS, ROOT
 
 @pytest.fixture(scope="session")
 def fmus():
-    """Folder of the FMUs, built where they are not up to date; one worker builds, the others wait."""
+    """Folder of the FMUs, built where they are not up to date."""
     from pipeline.export.build import build
     from pipeline.plant.binding import gains_of_bindings
 
-    folder = os.open(FMUS, os.O_RDONLY)  # the folder itself is the lock: nothing to clean up
-    try:
-        fcntl.flock(folder, fcntl.LOCK_EX)
-        build(None, FMUS, gains_of_bindings())
-    finally:
-        os.close(folder)
+    build(None, FMUS, gains_of_bindings())
     return FMUS
 
 

@@ -17,22 +17,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
 
-from pipeline import __version__
 from pipeline.errors import ExportError
 from pipeline.export.archive import write_archive
-from pipeline.export.codegen import generate, identifier
+from pipeline.export.catalogue import exported
+from pipeline.export.claim import claimed
+from pipeline.export.codegen import generate
 from pipeline.export.compiler import compile_library, describe_compiler, find_compiler, platform
 from pipeline.export.equations import Model, translate
+from pipeline.export.freshness import RECORD, WRAPPER, digest, fingerprint, read_record, state, write_record
 from pipeline.export.frontend import load
 from pipeline.export.model_description_fmi2 import describe as describe_fmi2
 from pipeline.export.model_description_fmi3 import describe as describe_fmi3
 from pipeline.export.model_description_fmi3 import describe_build
 from pipeline.paths import MODELICA
 
-HERE = Path(__file__).resolve().parent
-WRAPPER = HERE / "wrapper"
-EXPORTER = [*sorted(HERE.glob("*.py")), HERE.parent / "units.py", *sorted(WRAPPER.glob("*.[ch]"))]
-RECORD = ".build.json"
 VERSIONS = {"2": ("2",), "3": ("3",), "both": ("2", "3")}
 SUFFIX = {"2": "", "3": "_fmi3"}  # of the file's name
 ONE_AT_A_TIME = Lock()  # CasADi's expressions count their references without locks; the compilers run side by side
@@ -46,15 +44,6 @@ class Built:
     path: Path
     seconds: float
     skipped: bool
-
-
-def exported(modelica: Path) -> dict[str, str]:
-    """FMU name → class, for every class of FMUs/package.order."""
-    order = modelica / "FMUs" / "package.order"
-    if not order.is_file():
-        raise ExportError(f"{modelica}: no FMUs/package.order, which lists the classes to export")
-    classes = order.read_text().split()
-    return {identifier(leaf): f"{modelica.name}.FMUs.{leaf}" for leaf in classes}
 
 
 def build(
@@ -78,13 +67,27 @@ def build(
     if unknown:
         what = f"no FMU {', '.join(unknown)}: there are {', '.join(classes)}"
         raise ExportError(f"{what}; --fmi chooses the version" if any("_fmi3" in name for name in unknown) else what)
-    record = read_record(out / RECORD)
     starts = {name: dict((start_values or {}).get(name, {})) for name in names or classes}
+    with claimed(out):
+        return _build(classes, out, starts, fmi, force, modelica, report)
+
+
+def _build(
+    classes: Mapping[str, str],
+    out: Path,
+    starts: Mapping[str, dict[str, float]],
+    fmi: str,
+    force: bool,
+    modelica: Path,
+    report: Callable[[str], None],
+) -> list[Built]:
+    """Build those of the FMUs named in `starts` that are not up to date."""
+    record = read_record(out / RECORD)
     compiler = describe_compiler()
     inputs = {name: fingerprint(modelica, starts[name]) for name in starts}
     files = {name: {version: out / f"{name}{SUFFIX[version]}.fmu" for version in VERSIONS[fmi]} for name in starts}
     todo = {
-        name: {v: p for v, p in paths.items() if force or not up_to_date(out, p.stem, inputs[name], compiler, record)}
+        name: {v: p for v, p in paths.items() if force or state(p, inputs[name], compiler, record) != "fresh"}
         for name, paths in files.items()
     }
     todo = {name: paths for name, paths in todo.items() if paths}
@@ -195,47 +198,3 @@ def guid_of(parts: Mapping[str, object]) -> str:
     """A GUID made from content: the same sources give the same."""
     h = hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
-
-
-def fingerprint(modelica: Path, starts: Mapping[str, float]) -> str:
-    """A hash of all an FMU is made from but the compiler: sources of model and exporter, start values, versions."""
-    from importlib.metadata import version
-
-    h = hashlib.sha256()
-    for root, files in ((modelica, sorted(modelica.rglob("*.mo"))), (HERE.parent, EXPORTER)):
-        for file in files:
-            h.update(file.relative_to(root).as_posix().encode())
-            h.update(file.read_bytes())
-    tools = {tool: version(tool) for tool in ("rumoca", "casadi", "fmpy")}
-    h.update(json.dumps([starts, tools, __version__, platform()], sort_keys=True).encode())
-    return h.hexdigest()
-
-
-def up_to_date(out: Path, name: str, inputs: str, compiler: str | None, record: Mapping[str, dict]) -> bool:
-    """The FMU is there, made from these inputs, and nobody has changed it since.
-
-    It was made by this compiler, too; a machine without one (None) takes the FMU as it is.
-    """
-    path, known = out / f"{name}.fmu", record.get(name, {})
-    if compiler is not None and known.get("compiler") != compiler:
-        return False
-    return known.get("inputs") == inputs and path.is_file() and known.get("sha256") == digest(path)
-
-
-def digest(path: Path) -> str:
-    """SHA-256 of a file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def read_record(path: Path) -> dict[str, dict]:
-    """What was built from what; empty where nothing is known."""
-    try:
-        return json.loads(path.read_text())
-    except (FileNotFoundError, json.JSONDecodeError):
-        return {}
-
-
-def write_record(path: Path, record: Mapping[str, dict]) -> None:
-    """Write the record beside the FMUs."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(record, indent=2, sort_keys=True) + "\n")

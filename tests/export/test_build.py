@@ -14,8 +14,9 @@ import pytest
 from pipeline.errors import ExportError
 from pipeline.export import compiler
 from pipeline.export.archive import write_archive
-from pipeline.export.build import EXPORTER, Built, build, digest, exported
-from pipeline.export.codegen import identifier
+from pipeline.export.build import Built, build
+from pipeline.export.catalogue import exported, identifier
+from pipeline.export.freshness import EXPORTER, digest
 from pipeline.paths import PACKAGE
 
 PLANT = """within Small.FMUs;

@@ -1,0 +1,69 @@
+"""Whether a built FMU is up to date, found cheaply: nothing here imports what builds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from pipeline import __version__
+from pipeline.export.compiler import platform
+
+HERE = Path(__file__).resolve().parent
+WRAPPER = HERE / "wrapper"
+EXPORTER = [*sorted(HERE.glob("*.py")), HERE.parent / "units.py", *sorted(WRAPPER.glob("*.[ch]"))]
+RECORD = ".build.json"
+
+
+def fingerprint(modelica: Path, starts: Mapping[str, float]) -> str:
+    """A hash of all an FMU is made from but the compiler: sources of model and exporter, start values, versions."""
+    from importlib.metadata import version
+
+    h = hashlib.sha256()
+    for root, files in ((modelica, sorted(modelica.rglob("*.mo"))), (HERE.parent, EXPORTER)):
+        for file in files:
+            h.update(file.relative_to(root).as_posix().encode())
+            h.update(file.read_bytes())
+    tools = {tool: version(tool) for tool in ("rumoca", "casadi", "fmpy")}
+    h.update(json.dumps([starts, tools, __version__, platform()], sort_keys=True).encode())
+    return h.hexdigest()
+
+
+def state(path: Path, inputs: str, compiler: str | None, record: Mapping[str, dict]) -> str:
+    """What an FMU is: "missing"; "foreign", where another hand put or changed it; "stale"; or "fresh".
+
+    Fresh is what was made from these inputs by this compiler; a machine without one (None) takes any compiler's.
+    """
+    if not path.is_file():
+        return "missing"
+    known = record.get(path.stem, {})
+    if known.get("sha256") != digest(path):
+        return "foreign"
+    same_compiler = compiler is None or known.get("compiler") == compiler
+    return "fresh" if same_compiler and known.get("inputs") == inputs else "stale"
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def read_record(path: Path) -> dict[str, dict]:
+    """What was built from what; empty where nothing is known."""
+    try:
+        return json.loads(path.read_text())
+    except (FileNotFoundError, json.JSONDecodeError):
+        return {}
+
+
+def write_record(path: Path, record: Mapping[str, dict]) -> None:
+    """Write the record beside the FMUs, in one step."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fresh = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        fresh.write_text(json.dumps(record, indent=2, sort_keys=True) + "\n")
+        fresh.replace(path)
+    finally:
+        fresh.unlink(missing_ok=True)
