@@ -90,6 +90,7 @@ def _experiment_command(commands, name: str, help_text: str) -> argparse.Argumen
     command.add_argument(
         "--simulated", action="store_true", help="simulated data, where the experiment has measured ones"
     )
+    command.add_argument("--fmi", choices=("2", "3"), help="FMI version of our FMUs to run on (default: 2)")
     command.add_argument("--seed", type=int, help="seed of the noise")
     command.add_argument(
         "--jacobian", choices=("forward", "central", "directional"), help="how the EKF differentiates the plant"
@@ -109,6 +110,8 @@ def _session(arguments: argparse.Namespace):
         overrides.append(f"seed={arguments.seed}")
     if arguments.jacobian is not None:
         overrides.append(f'ekf.jacobian="{arguments.jacobian}"')
+    if arguments.fmi is not None:
+        overrides.append(f"fmi='{arguments.fmi}'")
     return open_session(arguments.experiment, overrides, _narrate, arguments.simulated, arguments.data)
 
 
@@ -156,8 +159,11 @@ def _build_foreign(arguments: argparse.Namespace) -> list:
 
 def _simulate(arguments: argparse.Namespace) -> int:
     from pipeline.workflow.acquire import acquire
+    from pipeline.workflow.building import prepare
 
-    frame = acquire(_session(arguments), validation=arguments.validation)
+    session = _session(arguments)
+    prepare(session, (arguments.validation,))
+    frame = acquire(session, validation=arguments.validation)
     if arguments.json:
         print(json.dumps({"time": list(frame.index), **{c: list(frame[c]) for c in frame}}))
     else:

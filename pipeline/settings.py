@@ -198,7 +198,8 @@ class Experiment(Settings):
     """A whole experiment: a plant (its binding), where the data come from, the estimators, the limits.
 
     Measured `data` come before `simulation` where an experiment has both; `recommended` names the WLS variant that
-    everything else builds on; `reference` holds published results and goes into the record as it is.
+    everything else builds on; `reference` holds published results and goes into the record as it is; `fmi` is the
+    version of plant and controller, where they are FMUs of ours.
     """
 
     name: str
@@ -207,6 +208,7 @@ class Experiment(Settings):
     wls: tuple[WlsSettings, ...]
     recommended: str
     controller: ControllerSettings | None = None
+    fmi: Literal["2", "3"] = "2"
     seed: NotNegativeCount = 0
     simulation: SimulationSettings | None = None
     data: DataSettings | None = None

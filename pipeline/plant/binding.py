@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
 import numpy as np
 
 from pipeline.config import convert, read_toml
 from pipeline.errors import ConfigError, FmuError
-from pipeline.paths import FMUS
+from pipeline.paths import BINDINGS, built_fmu
 from pipeline.plant.fmu import Fmu
 from pipeline.settings import Positive, Settings
 
@@ -123,21 +124,27 @@ class Binding(Settings):
         return {**self.set, **self.gains_to_set(), **values}
 
 
-def load_binding(name_or_path: str, base: Path | None = None) -> Binding:
-    """The binding `fmus/<name>.toml`, or the one in a TOML file (relative to `base`, the experiment's folder)."""
+def load_binding(name_or_path: str, base: Path | None = None, fmi: str = "2") -> Binding:
+    """The binding `fmus/<name>.toml`, or the one in a TOML file (relative to `base`, the experiment's folder).
+
+    fmi: the version ("2" or "3") of the FMU, where it is one of ours, which stands where `fmuid build` puts it.
+    """
     path = Path(name_or_path)
     if path.suffix != ".toml":
-        path = FMUS / f"{name_or_path}.toml"
+        path = BINDINGS / f"{name_or_path}.toml"
     elif base is not None and not path.is_absolute() and not path.is_file():
         path = base / path
     if not path.is_file():
-        known = sorted(p.stem for p in FMUS.glob("*.toml"))
+        known = sorted(p.stem for p in BINDINGS.glob("*.toml"))
         raise ConfigError(f"{path}: no such binding; known ones are {', '.join(known)}, or give a path to a .toml file")
     binding = convert({"folder": str(path.parent), **read_binding(path)}, Binding, path.name)
     names = [j.input for j in binding.joint] + [p.variable or p.name for p in binding.parameter]
     for name in names:
         if names.count(name) > 1:
             raise ConfigError(f"{path.name}: `{name}` is bound twice; each variable can serve once")
+    if path.parent == BINDINGS and binding.fmu == f"{Path(binding.fmu).stem}.fmu":
+        file = built_fmu(Path(binding.fmu).stem, fmi)
+        binding = msgspec.structs.replace(binding, folder=str(file.parent), fmu=file.name)
     return binding
 
 
@@ -187,7 +194,7 @@ def _expect(file: Fmu, name: str, causalities: tuple[str, ...], unit: str) -> No
 
 def gains_of_bindings() -> dict[str, dict[str, float]]:
     """{FMU: {gain parameter: value}} for each plant of ours and its closed loop: a binding is the gain's one place."""
-    gains = {path.stem: load_binding(str(path)).gains_to_set() for path in sorted(FMUS.glob("*.toml"))}
+    gains = {path.stem: load_binding(str(path)).gains_to_set() for path in sorted(BINDINGS.glob("*.toml"))}
     loops = {f"{name}_closed_loop": gain for name, gain in gains.items() if not name.endswith("_inputs")}
     return {name: gain for name, gain in (gains | loops).items() if gain}
 
@@ -195,7 +202,7 @@ def gains_of_bindings() -> dict[str, dict[str, float]]:
 def variants_of_bindings() -> dict[str, tuple[str, tuple[str, ...]]]:
     """{"scara_inputs": ("scara", parameters)}: plants of ours whose parameters are continuous inputs of the FMU."""
     variants = {}
-    for path in sorted(FMUS.glob("*_inputs.toml")):
+    for path in sorted(BINDINGS.glob("*_inputs.toml")):
         parameters = tuple(p.variable or p.name for p in load_binding(str(path)).parameter)
         variants[path.stem] = (path.stem.removesuffix("_inputs"), parameters)
     return variants

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 
 from pipeline.errors import DataError
-from pipeline.paths import FMUS
 from pipeline.settings import Column
 from pipeline.simulate.closed_loop import LoopPorts, simulate_closed_loop
 from pipeline.simulate.measured import ColumnSettings, read_measured, with_force
@@ -40,8 +39,7 @@ def simulate(session: Session, validation: bool = False, noisy: bool = True) -> 
 def reference_of(session: Session, validation: bool = False) -> pd.DataFrame:
     """The stored trajectory as the controller's reference, sampled at the data's rate."""
     settings = session.experiment.simulation
-    name = settings.validation if validation else settings.identification
-    return reference_frame(sample(read_waypoints(session.folder / name), settings.rate))
+    return reference_frame(sample(read_waypoints(_waypoints(session)[validation]), settings.rate))
 
 
 def run_loop(session: Session, reference: pd.DataFrame, chi: np.ndarray, noise=None, qd_start=None) -> pd.DataFrame:
@@ -62,7 +60,7 @@ def run_loop(session: Session, reference: pd.DataFrame, chi: np.ndarray, noise=N
     columns = [c for c in reference if c.startswith(("qr_", "qdr_", "pulse_"))]
     return simulate_closed_loop(
         binding.path,
-        fmu_path(controller.fmu, session.folder),
+        session.controller_fmu,
         ports_of(session),
         reference[columns],
         controller.period,
@@ -88,28 +86,41 @@ def ports_of(session: Session) -> LoopPorts:
     )
 
 
-def fmu_path(name: str, folder: Path) -> Path:
-    """The file of an FMU: one of ours by name, or a path (relative to the experiment's folder)."""
-    if not name.endswith(".fmu"):
-        return FMUS / f"{name}.fmu"
-    return Path(name) if Path(name).is_absolute() else folder / name
-
-
 def read(session: Session, validation: bool = False) -> pd.DataFrame:
     """Read the measured run; DataError where the data are not there says where to get them."""
-    data = session.experiment.data
-    path = data_folder(session) / (data.validation if validation else data.identification)
-    if not path.is_file():
-        hint = f"get it from {data.source}, then give" if data.source else "give"
-        raise DataError(f"{path.name}: no such data file in {path.parent}; {hint} its folder with --data")
+    data, path = session.experiment.data, data_files(session)[validation]
+    check_file(session, path)
     columns = {**data.columns, **(data.validation_columns if validation else {})}
     mapped = {name: _mapped(session, name, column) for name, column in columns.items()}
     return with_force(read_measured(path, mapped, data.rate, MIN_SAMPLES), session.binding.gain)
 
 
-def data_folder(session: Session) -> Path:
-    """Where the measured files are: `--data` as the shell knows it, or the experiment's own folder setting."""
-    return session.data or session.folder / session.experiment.data.folder
+def check_file(session: Session, path: Path) -> None:
+    """Refuse a data file that is not there (DataError, with where to get it)."""
+    if path.is_file():
+        return
+    data = session.experiment.data
+    if data is None:
+        raise DataError(f"{path}: no such file; correct the path of the way-points")
+    hint = f"get it from {data.source}, then give" if data.source else "give"
+    raise DataError(f"{path.name}: no such data file in {path.parent}; {hint} its folder with --data")
+
+
+def data_files(session: Session) -> tuple[Path, Path]:
+    """The files of the identification and the validation run: measured data, or the way-points of a simulation.
+
+    Measured files are in `--data` as the shell knows it, or in the experiment's own folder setting.
+    """
+    data = session.experiment.data
+    if data is None:
+        return _waypoints(session)
+    folder = session.data or session.folder / data.folder
+    return folder / data.identification, folder / data.validation
+
+
+def _waypoints(session: Session) -> tuple[Path, Path]:
+    simulation = session.experiment.simulation
+    return session.folder / simulation.identification, session.folder / simulation.validation
 
 
 def _mapped(session: Session, name: str, column: Column) -> ColumnSettings:

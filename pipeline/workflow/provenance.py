@@ -13,9 +13,10 @@ from pathlib import Path
 import msgspec
 
 from pipeline import __version__
-from pipeline.paths import ROOT
+from pipeline.paths import IN_CHECKOUT, ROOT
 from pipeline.plant.fmu import open_fmu
-from pipeline.workflow.acquire import data_folder, fmu_path
+from pipeline.workflow.acquire import data_files
+from pipeline.workflow.building import fmu_files
 from pipeline.workflow.session import Session
 
 PACKAGES = ("fmpy", "numpy", "scipy", "pandas", "filterpy", "control", "casadi", "rumoca", "bokeh")
@@ -23,17 +24,17 @@ PACKAGES = ("fmpy", "numpy", "scipy", "pandas", "filterpy", "control", "casadi",
 
 def provenance(session: Session) -> dict:
     """Command, versions, commit, platform, seed, and the FMUs and data files with their SHA-256."""
-    commit = _git("rev-parse", "HEAD")
+    commit, dirty = _commit()
     return {
         "command": shlex.join(["fmuid", *sys.argv[1:]]),
         "versions": {"fmuid": __version__, **{name: version(name) for name in PACKAGES}},
-        "commit": commit or None,
-        "dirty": bool(_git("status", "--porcelain", "--untracked-files=no")) if commit else None,
+        "commit": commit,
+        "dirty": dirty,
         "python": platform.python_version(),
         "platform": platform.platform(),
         "seed": session.experiment.seed,
-        "fmus": {path.stem: _identity(path) for path in _fmus(session)},
-        "data": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in _data_files(session)},
+        "fmus": {path.stem: _identity(path) for path in fmu_files(session)},
+        "data": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in data_files(session)},
     }
 
 
@@ -53,21 +54,17 @@ def plant_entry(session: Session) -> dict:
         }
 
 
-def _fmus(session: Session) -> list[Path]:
-    controller = session.experiment.controller
-    return [session.binding.path, *([fmu_path(controller.fmu, session.folder)] if controller is not None else [])]
-
-
 def _identity(path: Path) -> dict:
     with open_fmu(path) as file:
         return {"sha256": file.sha256, "guid": file.description.guid}
 
 
-def _data_files(session: Session) -> list[Path]:
-    data, simulation = session.experiment.data, session.experiment.simulation
-    if session.measured:
-        return [data_folder(session) / name for name in (data.identification, data.validation)]
-    return [session.folder / name for name in (simulation.identification, simulation.validation)]
+def _commit() -> tuple[str | None, bool | None]:
+    """The checkout's commit and whether tracked files differ from it; None, None where fmuid runs from no checkout."""
+    head = _git("rev-parse", "HEAD", "--show-prefix").split("\n") if IN_CHECKOUT else [""]
+    if not head[0] or any(head[1:]):  # a prefix: the folder stands inside somebody else's repository
+        return None, None
+    return head[0], bool(_git("status", "--porcelain", "--untracked-files=no"))
 
 
 def _git(*arguments: str) -> str:

@@ -21,6 +21,7 @@ from pipeline.report.record import SCHEMA, check_target, write_run
 from pipeline.workflow import record as entries
 from pipeline.workflow.acquire import acquire
 from pipeline.workflow.batch import open_inverse_model, reference_excitation, run_batch
+from pipeline.workflow.building import prepare
 from pipeline.workflow.filtering import run_filters
 from pipeline.workflow.judging import judge
 from pipeline.workflow.provenance import plant_entry, provenance
@@ -37,6 +38,7 @@ def run(session: Session, output: str | None = None) -> tuple[Path, dict]:
     created = datetime.now(UTC)
     folder = Path(output) if output else REPORTS / f"{slug(session.experiment.name)}-{created:%Y%m%d-%H%M%S}"
     check_target(folder)
+    prepare(session)
     with session.stage("data"):
         frame, validation_frame = acquire(session), acquire(session, validation=True)
     record, signals = identify(session, frame, validation_frame)
@@ -59,6 +61,7 @@ def identify(
 ) -> tuple[dict, dict[str, pd.DataFrame]]:
     """Everything but the writing: the record and its signals."""
     if frame is None:
+        prepare(session)
         with session.stage("data"):
             frame, validation_frame = acquire(session), acquire(session, validation=True)
     record = {

@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeline.config import find_experiment, load_experiment
 from pipeline.errors import ConfigError
+from pipeline.paths import built_fmu
 from pipeline.plant.binding import Binding, load_binding
 from pipeline.settings import Experiment, WlsSettings
 
@@ -47,6 +48,14 @@ class Session:
         return next(w for w in self.experiment.wls if w.name == self.experiment.recommended)
 
     @property
+    def controller_fmu(self) -> Path | None:
+        """The controller's FMU: one of ours by name, or a path relative to the experiment; None without controller."""
+        if self.experiment.controller is None:
+            return None
+        name = self.experiment.controller.fmu
+        return self.folder / name if name.endswith(".fmu") else built_fmu(name, self.experiment.fmi)
+
+    @property
     def truth(self) -> np.ndarray | None:
         """The true parameters (p,) of a simulated plant, or None."""
         if self.measured:
@@ -77,7 +86,7 @@ def open_session(
     folder = find_experiment(name_or_path).parent
     if data is not None and experiment.data is None:
         raise ConfigError(f"{experiment.name}: simulates its data, so --data has no use; add [data] or leave it out")
-    binding = load_binding(experiment.plant, folder)
+    binding = load_binding(experiment.plant, folder, experiment.fmi)
     session = Session(experiment, binding, folder, None if data is None else Path(data), narrate)
     _check_sizes(session)
     return session

@@ -12,10 +12,11 @@ from pipeline.identify.covariance_forms import FORMS, JosephForm, UduForm
 from pipeline.identify.discretisation import LIMIT
 from pipeline.identify.essential import essential
 from pipeline.identify.rls import rls
+from pipeline.paths import built_fmu
 from pipeline.plant.fmu import open_fmu
 from pipeline.records import OK, Estimate
 from pipeline.simulate.closed_loop import simulate_closed_loop_fmu
-from pipeline.workflow.acquire import fmu_path, reference_of, simulate
+from pipeline.workflow.acquire import reference_of, simulate
 from pipeline.workflow.batch import Batch, open_inverse_model, reference_excitation, run_variant
 from pipeline.workflow.filtering import run_case
 from pipeline.workflow.session import Session, open_session
@@ -68,7 +69,7 @@ def closed_loop_figure(session: Session) -> Figure:
     reference = reference_of(session)
     first = reference.iloc[0]
     start = {"q_start_1": first["qr_1"], "q_start_2": first["qr_2"]}
-    with open_fmu(fmu_path("scara_closed_loop", session.folder)) as file:
+    with open_fmu(built_fmu("scara_closed_loop")) as file:
         one = simulate_closed_loop_fmu(
             file,
             {c: c for c in ("qr_1", "qr_2", "qdr_1", "qdr_2")},

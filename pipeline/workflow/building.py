@@ -1,0 +1,50 @@
+"""The FMUs of an experiment; those of ours that are missing or out of date are built before it starts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipeline.export.catalogue import exported
+from pipeline.export.compiler import describe_compiler
+from pipeline.export.freshness import RECORD, fingerprint, read_record, state
+from pipeline.paths import FMUS, MODELICA, built_fmu
+from pipeline.plant.binding import gains_of_bindings
+from pipeline.workflow.acquire import check_file, data_files
+from pipeline.workflow.session import Session
+
+
+def fmu_files(session: Session) -> list[Path]:
+    """The FMUs that the experiment runs on: the plant's, and the controller's where there is one."""
+    return [path for path in (session.binding.path, session.controller_fmu) if path is not None]
+
+
+def fmu_states(session: Session) -> dict[str, str]:
+    """What those of the experiment's FMUs are that we can build: {name: "missing", "foreign", "stale" or "fresh"}."""
+    files = {path: name for name in exported(MODELICA) for path in [built_fmu(name, session.experiment.fmi)]}
+    gains, compiler, record = gains_of_bindings(), describe_compiler(), read_record(FMUS / RECORD)
+    ours = {files[path]: path for path in fmu_files(session) if path in files}
+    return {n: state(path, fingerprint(MODELICA, gains.get(n, {})), compiler, record) for n, path in ours.items()}
+
+
+def prepare(session: Session, runs: tuple[bool, ...] = (False, True)) -> None:
+    """Before the runs (True: validation): their data files are there, the FMUs up to date. DataError, ExportError."""
+    for validation in runs:
+        check_file(session, data_files(session)[validation])
+    build_fmus(session)
+
+
+def build_fmus(session: Session) -> None:
+    """Build what is missing or stale. One that another hand put there is used as it is, and this is said.
+
+    Raises ExportError.
+    """
+    states = fmu_states(session)
+    for name in (name for name, found in states.items() if found == "foreign"):
+        session.narrate(f"  {name}.fmu is not as it was built, and used as it is; `fmuid build` makes it anew")
+    todo = [name for name, found in states.items() if found in ("missing", "stale")]
+    if todo:
+        from pipeline.export.build import build
+
+        session.narrate(f"  building {', '.join(todo)}, {' and '.join(sorted({states[n] for n in todo}))} …")
+        with session.stage("FMUs"):
+            build(todo, FMUS, gains_of_bindings(), session.experiment.fmi, report=lambda t: session.narrate(f"  {t}"))
