@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from pipeline.config import apply_override, load_experiment, shipped
 from pipeline.errors import ConfigError
+from pipeline.paths import BINDINGS
 from pipeline.plant.binding import gains_of_bindings, load_binding, variants_of_bindings
 from pipeline.settings import Experiment
 from pipeline.workflow.session import open_session
@@ -135,3 +136,15 @@ def test_no_setting_is_nan_or_infinite(value):
 def test_a_record_cannot_validate_itself():
     with pytest.raises(ConfigError, match="the identification record itself"):
         load_experiment("emps", ["data.validation='DATA_EMPS.mat'"])
+
+
+def test_the_fmi_version_chooses_among_our_fmus_alone(tmp_path):
+    def files(experiment, *overrides):
+        session = open_session(experiment, overrides)
+        return [path.name for path in (session.binding.path, session.controller_fmu)]
+
+    assert files("scara") == ["scara.fmu", "scara_controller.fmu"]
+    assert files("scara", "fmi='3'") == ["scara_fmi3.fmu", "scara_controller_fmi3.fmu"]
+    (tmp_path / "mine.toml").write_text((BINDINGS / "scara.toml").read_text())
+    theirs = [f"plant='{tmp_path / 'mine.toml'}'", "controller.fmu='vendor.fmu'"]
+    assert files("scara", "fmi='3'", *theirs) == ["scara.fmu", "vendor.fmu"]

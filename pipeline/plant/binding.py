@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import msgspec
 import numpy as np
 
 from pipeline.config import convert, read_toml
 from pipeline.errors import ConfigError, FmuError
-from pipeline.paths import BINDINGS, built_fmu
+from pipeline.paths import BINDINGS
 from pipeline.plant.fmu import Fmu
 from pipeline.settings import Positive, Settings
 
@@ -124,11 +123,8 @@ class Binding(Settings):
         return {**self.set, **self.gains_to_set(), **values}
 
 
-def load_binding(name_or_path: str, base: Path | None = None, fmi: str = "2") -> Binding:
-    """The binding `fmus/<name>.toml`, or the one in a TOML file (relative to `base`, the experiment's folder).
-
-    fmi: the version ("2" or "3") of the FMU, where it is one of ours, which stands where `fmuid build` puts it.
-    """
+def load_binding(name_or_path: str, base: Path | None = None) -> Binding:
+    """The binding `fmus/<name>.toml`, or the one in a TOML file (relative to `base`, the experiment's folder)."""
     path = Path(name_or_path)
     if path.suffix != ".toml":
         path = BINDINGS / f"{name_or_path}.toml"
@@ -142,9 +138,6 @@ def load_binding(name_or_path: str, base: Path | None = None, fmi: str = "2") ->
     for name in names:
         if names.count(name) > 1:
             raise ConfigError(f"{path.name}: `{name}` is bound twice; each variable can serve once")
-    if path.parent == BINDINGS and binding.fmu == f"{Path(binding.fmu).stem}.fmu":
-        file = built_fmu(Path(binding.fmu).stem, fmi)
-        binding = msgspec.structs.replace(binding, folder=str(file.parent), fmu=file.name)
     return binding
 
 

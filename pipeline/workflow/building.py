@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pipeline.export.catalogue import exported
 from pipeline.export.compiler import describe_compiler
 from pipeline.export.freshness import RECORD, fingerprint, read_record, state
 from pipeline.paths import FMUS, MODELICA, built_fmu
 from pipeline.plant.binding import gains_of_bindings
 from pipeline.workflow.acquire import check_file, data_files
-from pipeline.workflow.session import Session
+from pipeline.workflow.session import Session, our_fmus
 
 
 def fmu_files(session: Session) -> list[Path]:
@@ -20,7 +19,7 @@ def fmu_files(session: Session) -> list[Path]:
 
 def fmu_states(session: Session) -> dict[str, str]:
     """What those of the experiment's FMUs are that we can build: {name: "missing", "foreign", "stale" or "fresh"}."""
-    files = {path: name for name in exported(MODELICA) for path in [built_fmu(name, session.experiment.fmi)]}
+    files = {path: name for name in our_fmus() for path in [built_fmu(name, session.experiment.fmi)]}
     gains, compiler, record = gains_of_bindings(), describe_compiler(), read_record(FMUS / RECORD)
     ours = {files[path]: path for path in fmu_files(session) if path in files}
     return {n: state(path, fingerprint(MODELICA, gains.get(n, {})), compiler, record) for n, path in ours.items()}

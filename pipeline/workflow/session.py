@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from os.path import splitext
 from pathlib import Path
 from time import process_time
 
 import numpy as np
+from msgspec import structs
 
 from pipeline.config import find_experiment, load_experiment
 from pipeline.errors import ConfigError
-from pipeline.paths import built_fmu
-from pipeline.plant.binding import Binding, load_binding
+from pipeline.export.catalogue import exported
+from pipeline.paths import BINDINGS, MODELICA, built_fmu
+from pipeline.plant.binding import Binding, load_binding, variants_of_bindings
 from pipeline.settings import Experiment, WlsSettings
 
 
@@ -86,10 +89,24 @@ def open_session(
     folder = find_experiment(name_or_path).parent
     if data is not None and experiment.data is None:
         raise ConfigError(f"{experiment.name}: simulates its data, so --data has no use; add [data] or leave it out")
-    binding = load_binding(experiment.plant, folder, experiment.fmi)
+    binding = _ours(load_binding(experiment.plant, folder), experiment.fmi)
     session = Session(experiment, binding, folder, None if data is None else Path(data), narrate)
     _check_sizes(session)
     return session
+
+
+def our_fmus() -> list[str]:
+    """Names of the FMUs that `fmuid build` makes."""
+    return [*exported(MODELICA), *variants_of_bindings()]
+
+
+def _ours(binding: Binding, fmi: str) -> Binding:
+    """The binding with its FMU where `fmuid build` puts it, if it is a binding of ours, to an FMU of ours."""
+    name, suffix = splitext(binding.fmu)
+    if Path(binding.folder) != BINDINGS or suffix != ".fmu" or name not in our_fmus():
+        return binding
+    file = built_fmu(name, fmi)
+    return structs.replace(binding, folder=str(file.parent), fmu=file.name)
 
 
 def _check_sizes(session: Session) -> None:
