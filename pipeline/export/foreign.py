@@ -8,8 +8,8 @@ from pathlib import Path
 
 from pipeline.errors import ExportError
 from pipeline.export.build import SUFFIX, VERSIONS, Built, export
+from pipeline.export.catalogue import identifier
 from pipeline.export.classes import find_models
-from pipeline.export.codegen import identifier
 
 SHOWN = 12
 
