@@ -22,24 +22,26 @@ class Filter(Settings):
 
     "zero-phase" runs forward and backward, "forward" only forward (it lags), "none" passes the signal through;
     "decimate" is the 8th-order Chebyshev type I filter (0.05 dB, 0.8·Nyquist/decimation), forward and backward.
+    Without `cutoff` a Butterworth takes it from the closed loop's bandwidth (pipeline/signals/cutoffs.py).
     """
 
     kind: Literal["zero-phase", "forward", "none", "decimate"]
-    cutoff: NotNegative = 0.0
+    cutoff: Positive | None = None
     order: Count = 4
 
 
 class WlsSettings(Settings):
     """How one WLS variant filters: the position, then y and every column of W in parallel, then 1 of `decimation`.
 
-    border: samples cut at the (beginning, end), counted at the original rate; half_sample: align the torque held
-    over a sample with the position measured at its end.
+    Without `decimation`: the largest that keeps the decimated Nyquist frequency above the parallel cut-off. border:
+    samples cut at the (beginning, end), counted at the original rate; half_sample: align the torque held over a
+    sample with the position measured at its end.
     """
 
     name: str
     position: Filter
     parallel: Filter
-    decimation: Count = 1
+    decimation: Count | None = None
     border: tuple[NotNegativeCount, NotNegativeCount] = (0, 0)
     half_sample: bool = True
 

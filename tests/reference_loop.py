@@ -25,7 +25,7 @@ CASES = ("disturbed", "clean")
 IDENTIFICATION, VALIDATION = EXPERIMENTS / "scara_identification.csv", EXPERIMENTS / "scara_validation.csv"
 
 # Table 1 of the paper: no filter; forward filters only; zero-phase filters and decimation.
-WLS_1 = WlsSettings("WLS(1)", Filter("none"), Filter("none"))
+WLS_1 = WlsSettings("WLS(1)", Filter("none"), Filter("none"), 1)
 WLS_2 = WlsSettings("WLS(2)", Filter("forward", 10.0), Filter("forward", 4.0), 10, (30, 30))
 WLS_3 = WlsSettings("WLS(3)", Filter("zero-phase", 15.0), Filter("zero-phase", 4.0), 10, (30, 30))
 

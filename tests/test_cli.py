@@ -90,9 +90,17 @@ def test_a_violated_limit_is_exit_code_1(fmus, tmp_path):
 
 
 def test_a_failed_stage_has_its_own_exit_code_and_still_a_page(fmus, tmp_path):
+    result = fmuid(
+        "run", "scara", "--output", str(tmp_path / "run"), *QUICK, "--set", "wls.WLS(3).parallel.cutoff=0.001"
+    )
+    assert result.returncode == 4 and "not identifiable apart" in result.stderr
+    assert (tmp_path / "run" / "index.html").is_file()
+
+
+def test_a_border_that_leaves_nothing_is_told_before_anything_is_simulated(fmus, tmp_path):
     result = fmuid("run", "scara", "--output", str(tmp_path / "run"), *QUICK, "--set", "wls.WLS(3).border=[2000, 2000]")
     assert result.returncode == 2 and "leaves none of 2501 samples" in result.stderr
-    assert (tmp_path / "run" / "index.html").is_file()
+    assert result.stderr.count("\n") == 1 and not (tmp_path / "run").exists()
 
 
 def test_a_damaged_record_is_one_line(fmus, tmp_path):

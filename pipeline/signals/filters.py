@@ -42,7 +42,7 @@ def design(rate: float, settings: Filter, decimation: int = 1) -> np.ndarray:
     """Second-order sections of the filter; see `low_pass` for the errors."""
     nyquist = 0.5 * rate
     if settings.kind == "decimate":
-        if decimation < 2:
+        if (decimation or 0) < 2:
             raise ConfigError(f"filter: kind 'decimate' with decimation {decimation}; set a decimation of 2 or more")
         band = CHEBYSHEV_BAND / decimation
         return signal.cheby1(CHEBYSHEV_ORDER, CHEBYSHEV_RIPPLE_DB, band, output="sos")
@@ -50,6 +50,8 @@ def design(rate: float, settings: Filter, decimation: int = 1) -> np.ndarray:
         raise ConfigError(f"filter: unknown kind {settings.kind!r}; use zero-phase, forward, none or decimate")
     if settings.order < 1:
         raise ConfigError(f"filter: order {settings.order}; use 1 or more")
+    if settings.cutoff is None:
+        raise ConfigError("filter: no cut-off; set one, or take it from the closed loop first")
     if not 0.0 < settings.cutoff < nyquist:
         raise ConfigError(
             f"filter: cut-off {settings.cutoff:g} Hz is not between 0 and Nyquist, {nyquist:g} Hz; lower it"

@@ -51,7 +51,7 @@ def parallel_filter(columns: np.ndarray, rate: float, settings: WlsSettings) -> 
     Raises ConfigError for a decimation below 1 or a negative border, DataError where the borders leave nothing.
     """
     first, last = settings.border
-    if settings.decimation < 1 or min(settings.border) < 0:
+    if (settings.decimation or 0) < 1 or min(settings.border) < 0:
         raise ConfigError(f"{settings.name}: decimation {settings.decimation}, border {first}, {last}; use ≥ 1, ≥ 0")
     kept = np.arange(first, len(columns) - last, settings.decimation)
     if len(kept) == 0:

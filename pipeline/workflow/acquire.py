@@ -9,6 +9,7 @@ import pandas as pd
 
 from pipeline.errors import DataError
 from pipeline.settings import Column
+from pipeline.signals.cutoffs import check_border
 from pipeline.simulate.closed_loop import LoopPorts, simulate_closed_loop
 from pipeline.simulate.measured import ColumnSettings, read_measured, with_force
 from pipeline.simulate.sensors import draw_noise
@@ -29,6 +30,7 @@ def simulate(session: Session, validation: bool = False, noisy: bool = True) -> 
     """Simulate the closed loop on a stored trajectory; the noise follows from seed and run alone."""
     settings = session.experiment.simulation
     reference = reference_of(session, validation)
+    check_borders(session, len(reference))
     scale = 1.0 if noisy else 0.0
     rng = np.random.default_rng([session.experiment.seed, int(validation)])
     sigma_q, sigma_u = (scale * np.array(s) for s in (settings.sigma_q, settings.sigma_u))
@@ -92,7 +94,17 @@ def read(session: Session, validation: bool = False) -> pd.DataFrame:
     check_file(session, path)
     columns = {**data.columns, **(data.validation_columns if validation else {})}
     mapped = {name: _mapped(session, name, column) for name, column in columns.items()}
-    return with_force(read_measured(path, mapped, data.rate, MIN_SAMPLES), session.binding.gain)
+    frame = with_force(read_measured(path, mapped, data.rate, MIN_SAMPLES), session.binding.gain)
+    check_borders(session, len(frame))
+    return frame
+
+
+def check_borders(session: Session, samples: int) -> None:
+    """Refuse a border that leaves nothing of a record of `samples`, before the work begins; ConfigError."""
+    loop = session.experiment.closed_loop
+    borders = {w.name: w.border for w in session.experiment.wls}
+    for name, border in {**borders, **({"closed_loop": loop.border} if loop else {})}.items():
+        check_border(name, border, samples)
 
 
 def check_file(session: Session, path: Path) -> None:

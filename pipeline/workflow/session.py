@@ -18,6 +18,7 @@ from pipeline.export.catalogue import exported
 from pipeline.paths import BINDINGS, MODELICA, built_fmu
 from pipeline.plant.binding import Binding, load_binding, variants_of_bindings
 from pipeline.settings import Experiment, WlsSettings
+from pipeline.signals.cutoffs import check_cutoffs, follows_loop
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,7 @@ def open_session(
     binding = _ours(load_binding(experiment.plant, folder), experiment.fmi)
     session = Session(experiment, binding, folder, None if data is None else Path(data), narrate)
     _check_sizes(session)
+    _check_filters(session)
     return session
 
 
@@ -107,6 +109,18 @@ def _ours(binding: Binding, fmi: str) -> Binding:
         return binding
     file = built_fmu(name, fmi)
     return structs.replace(binding, folder=str(file.parent), fmu=file.name)
+
+
+def _check_filters(session: Session) -> None:
+    """Cut-offs that are set must fit the data's rate; those that are not need a closed loop to follow."""
+    for settings in session.experiment.wls:
+        check_cutoffs(settings, session.rate)
+        if follows_loop(settings) and session.experiment.controller is None:
+            raise ConfigError(
+                f"{session.experiment.name}: {settings.name}: a filter without `cutoff` follows the closed loop, and "
+                "there is no [controller]; set the cut-off in Hz (position: about 5 times the loop's bandwidth, "
+                "parallel: 2 times), or add [controller]"
+            )
 
 
 def _check_sizes(session: Session) -> None:

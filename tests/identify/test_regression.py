@@ -22,7 +22,7 @@ from pipeline.signals.frames import filter_frame
 from tests.closed_form import NAMES, TRUTH, inverse_model
 from tests.reference_loop import RATE, WLS_3, records
 
-RAW = WlsSettings("raw", Filter("none"), Filter("none"))
+RAW = WlsSettings("raw", Filter("none"), Filter("none"), 1)
 
 
 def filtered_frame(N=200, seed=0):

@@ -31,7 +31,7 @@ def test_derivatives_of_a_sine():
 
 @pytest.mark.parametrize("half", [True, False])
 def test_half_sample_alignment_of_the_torque_alone(half):
-    settings = WlsSettings("x", Filter("none"), Filter("none"), half_sample=half)
+    settings = WlsSettings("x", Filter("none"), Filter("none"), 1, half_sample=half)
     filtered = filter_frame(frame(), 2, RATE, settings)
     tau = frame()["tau_1"].to_numpy()
     np.testing.assert_array_equal(filtered["tau_1"], align_held(tau) if half else tau)
