@@ -57,7 +57,8 @@ class Binding(Settings):
     """A plant as the pipeline sees it: n joints, p parameters, and what else is set before it runs.
 
     set: always; probe: while the regressor is probed (for example friction so sharp that it is sign()); filter:
-    while the filter runs. Paths in `fmu` are relative to the binding's folder.
+    while the filter runs; linearise: while the closed loop is linearised (for example Coulomb friction off). Paths in
+    `fmu` are relative to the binding's folder.
     """
 
     fmu: str
@@ -66,6 +67,7 @@ class Binding(Settings):
     set: dict[str, float] = {}
     probe: dict[str, float] = {}
     filter: dict[str, float] = {}
+    linearise: dict[str, float] = {}
     folder: str = ""
 
     @property
@@ -167,7 +169,7 @@ def check_binding(binding: Binding, file: Fmu) -> None:
             _expect(file, joint.gain_parameter, ("parameter",), joint.gain_unit)
     for parameter in binding.parameter:
         _expect(file, parameter.variable or parameter.name, ("parameter", "input"), parameter.unit)
-    for name in (*binding.set, *binding.probe, *binding.filter):
+    for name in (*binding.set, *binding.probe, *binding.filter, *binding.linearise):
         file.variable(name)
 
 

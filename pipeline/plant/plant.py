@@ -23,8 +23,8 @@ def open_plant(
     method: str = "rk4",
     substeps: int = 4,
 ) -> Iterator[ModelExchangePlant | CoSimulationPlant]:
-    """Open the bound plant with the binding's values for `use`, "filter" or "probe"; it is freed on leaving."""
+    """Open the bound plant with the binding's values for `use`, "filter", "probe" or "linearise"; freed on leaving."""
     kind = {"ME": ModelExchangePlant, "CS": CoSimulationPlant}[interface]
-    settings = binding.filter if use == "filter" else binding.probe
+    settings = {"filter": binding.filter, "probe": binding.probe, "linearise": binding.linearise}[use]
     with open_fmu(binding.path) as file, kind(file, binding, settings, method, substeps) as plant:
         yield plant

@@ -25,6 +25,7 @@ from pipeline.workflow.estimates import (
     regression_signals,
 )
 from pipeline.workflow.filtering import Filtered
+from pipeline.workflow.loop import LoopStage
 from pipeline.workflow.session import Session
 from pipeline.workflow.validating import ValidationStage
 
@@ -53,6 +54,26 @@ def excitation_entry(found: Excitation) -> dict:
         "left_out_of_Phi": list(found.left_out_of_Phi),
         "singular_values": found.singular_values,
     }
+
+
+def loop_entry(session: Session, loop: LoopStage) -> dict:
+    """The closed loop at each configuration, f_dyn, and where each variant's filters come from."""
+    n, entry = session.binding.n, {"f_dyn": loop.f_dyn, "reason": loop.reason, "filters": loop.filters}
+    if not loop.responses:
+        return entry
+    configurations = [
+        {"q": p.q, "u": p.u, "bandwidth": r.bandwidth, "margins": [asdict(m) for m in r.margins]}
+        for p, r in zip(loop.plants, loop.responses, strict=True)
+    ]
+    f = loop.responses[0].f
+    drawn = f > 0.01 * loop.f_dyn
+    gain = np.array([r.gain[drawn] for r in loop.responses])
+    curves = {
+        "f": f[drawn],
+        "lowest": [gain[:, :, i].min(axis=0) for i in range(n)],
+        "highest": [gain[:, :, i].max(axis=0) for i in range(n)],
+    }
+    return {**entry, "configurations": configurations, "gain": curves}
 
 
 def reference_entry(session: Session) -> dict:

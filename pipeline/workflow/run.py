@@ -24,6 +24,7 @@ from pipeline.workflow.batch import open_inverse_model, reference_excitation, ru
 from pipeline.workflow.building import prepare
 from pipeline.workflow.filtering import run_filters
 from pipeline.workflow.judging import judge
+from pipeline.workflow.loop import follow_loop
 from pipeline.workflow.provenance import plant_entry, provenance
 from pipeline.workflow.session import Session
 from pipeline.workflow.validating import validate
@@ -33,7 +34,7 @@ def run(session: Session, output: str | None = None) -> tuple[Path, dict]:
     """Run the experiment and write its folder: result.json, signals, index.html. Returns the folder and the record.
 
     A stage that fails is written into the record's `errors`, and what was found before it stays; only an experiment
-    whose data cannot be had raises, for then there is nothing to report.
+    whose data cannot be had, or whose filters cannot follow its loop, raises: then there is nothing to report.
     """
     created = datetime.now(UTC)
     folder = Path(output) if output else REPORTS / f"{slug(session.experiment.name)}-{created:%Y%m%d-%H%M%S}"
@@ -64,11 +65,14 @@ def identify(
         prepare(session)
         with session.stage("data"):
             frame, validation_frame = acquire(session), acquire(session, validation=True)
+    with session.stage("loop"):
+        session, loop = follow_loop(session, frame)
     record = {
         "title": session.experiment.title,
         "experiment": entries.experiment_entry(session),
         "plant": plant_entry(session),
         "reference": entries.reference_entry(session),
+        "loop": entries.loop_entry(session, loop),
         "estimates": {},
         "errors": [],
     }
@@ -98,7 +102,7 @@ def _error_entry(stage: str, error: Exception) -> dict:
     return {"stage": stage, "message": message, "exit_code": 4, "traceback": "".join(format_exception(error))}
 
 
-STAGES = ("data", "WLS and RLS", "EKF", "validation")
+STAGES = ("data", "loop", "WLS and RLS", "EKF", "validation")
 
 
 def _running(session: Session) -> str:
