@@ -14,7 +14,6 @@ from pipeline.plant.linearisation import LinearPlant, answers_alike, linear_plan
 from pipeline.plant.plant import open_plant
 from pipeline.signals.cutoffs import described, follows_loop, resolve
 from pipeline.signals.frames import joint_columns
-from pipeline.workflow.acquire import fmu_path
 from pipeline.workflow.session import Session
 
 CONFIGURATIONS = 9
@@ -67,7 +66,7 @@ def analyse_loop(session: Session, frame: pd.DataFrame) -> tuple[tuple[LinearPla
     positions = spread(motion(frame, binding.n), CONFIGURATIONS)
     with open_plant(binding, "linearise") as plant:
         plants = tuple(linear_plant(plant, q) for q in positions)
-    with open_fmu(fmu_path(controller.fmu, session.folder)) as file:
+    with open_fmu(session.controller_fmu) as file:
         markov = [pulse_responses(file, controller, positions[0], binding.u_range)]
         for q in positions[1:]:
             same = answers_alike(file, controller, q, binding.u_range, markov[0])
