@@ -22,6 +22,7 @@ CAPABILITIES = {
     "canNotUseMemoryManagementFunctions": "true",
     "canGetAndSetFMUstate": "true",
     "canSerializeFMUstate": "true",
+    "providesDirectionalDerivative": "true",
 }
 
 

@@ -25,6 +25,8 @@ from pipeline.export.model_description import (
 CAPABILITIES = {
     "canGetAndSetFMUState": "true",
     "canSerializeFMUState": "true",
+    "providesDirectionalDerivatives": "true",
+    "providesAdjointDerivatives": "true",
 }
 TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
 

@@ -104,6 +104,14 @@ class Instance:
         """One communication step."""
         self.fmu.doStep(t, h)
 
+    def directional(self, unknowns, knowns, seed):
+        """∂unknowns/∂knowns · seed (len(unknowns),)."""
+        unknowns, knowns = ([self.archive.references[n] for n in names] for names in (unknowns, knowns))
+        return np.array(self._directional(unknowns, knowns, [float(s) for s in seed]))
+
+    def _directional(self, unknowns, knowns, seed):
+        return self.fmu.getDirectionalDerivative(unknowns, knowns, seed)
+
     def settle(self):
         """Iterate discrete states until none is left; the time of the next event, or None."""
         for _ in range(10):
@@ -161,6 +169,14 @@ class Instance3(Instance):
 
     def get(self, *names):
         return np.array(self.fmu.getFloat64([self.archive.references[n] for n in names]))
+
+    def _directional(self, unknowns, knowns, seed):
+        return self.fmu.getDirectionalDerivative(unknowns, knowns, seed, len(unknowns))
+
+    def adjoint(self, unknowns, knowns, seed):
+        """seed · ∂unknowns/∂knowns (len(knowns),)."""
+        unknowns, knowns = ([self.archive.references[n] for n in names] for names in (unknowns, knowns))
+        return np.array(self.fmu.getAdjointDerivative(unknowns, knowns, [float(s) for s in seed], len(knowns)))
 
     def settle(self):
         for _ in range(10):

@@ -23,9 +23,9 @@ def model_of(folder: Path, text: str, model: str = "M", **start_values):
     return translate(source_of(folder, text, model), start_values)
 
 
-def archive_of(folder: Path, text: str, model: str = "M", **start_values) -> Archive:
+def archive_of(folder: Path, text: str, model: str = "M", fmi: str = "2", **start_values) -> Archive:
     """The FMU of a model in a text, unpacked."""
-    path = write_fmu(model_of(folder, text, model, **start_values), folder / "fmus" / f"{model}.fmu")
+    path = write_fmu(model_of(folder, text, model, **start_values), folder / "fmus" / f"{model}.fmu", fmi)
     return Archive(path, mkdtemp(prefix=f"{model}-", dir=folder))
 
 

@@ -155,10 +155,6 @@ WRONG = {
     "another time": (lambda i: i.step(0.5, 0.1), "the step starts at 0.5 s, but the instance stands at 0 s"),
     "backwards": (lambda i: i.step(0.0, -0.1), "the communication step is -0.1 s at time 0 s"),
     "wrong mode": (lambda i: i.fmu.enterInitializationMode(), "not allowed in the state Step Mode"),
-    "no derivatives": (
-        lambda i: i.fmu.getDirectionalDerivative([0], [0], [1.0]),
-        "M provides no directional derivatives",
-    ),
     "singular": (lambda i: (i.set(m=0.0), i.step(0.0, 0.1)), r"der\(v\) is not a number at time 0 s: check parameters"),
     "no internal step": (lambda i: (i.set(internalStep=0.0), i.step(0.0, 0.1)), "internalStep is 0 s"),
 }

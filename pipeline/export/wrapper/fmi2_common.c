@@ -149,8 +149,6 @@ fmi2Status fmi2SetString(fmi2Component pointer, const fmi2ValueReference vr[], s
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component pointer, const fmi2ValueReference unknown[], size_t n_unknown,
                                         const fmi2ValueReference known[], size_t n_known, const fmi2Real dknown[],
                                         fmi2Real dunknown[]) {
-    (void)unknown, (void)n_unknown, (void)known, (void)n_known, (void)dknown, (void)dunknown;
-    ENTER(ANY_MODE);
-    fail(c, "%s provides no directional derivatives", MODEL_NAME);
-    return report2(component, fmi2Error, __func__);
+    ENTER(INITIALIZATION | RUNNING);
+    GIVE(directional_derivative(c, unknown, n_unknown, known, n_known, dknown, dunknown));
 }

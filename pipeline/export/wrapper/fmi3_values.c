@@ -100,15 +100,15 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance pointer, fmi3ValueReference 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance pointer, const fmi3ValueReference unknowns[], size_t n_unknowns,
                                         const fmi3ValueReference knowns[], size_t n_knowns, const fmi3Float64 seed[],
                                         size_t n_seed, fmi3Float64 sensitivity[], size_t n_sensitivity) {
-    (void)unknowns, (void)n_unknowns, (void)knowns, (void)n_knowns, (void)seed, (void)n_seed;
-    (void)sensitivity, (void)n_sensitivity;
-    REFUSE("%s provides no directional derivatives", MODEL_NAME);
+    ENTER(INITIALIZATION | RUNNING);
+    GIVE(scalars(c, n_knowns, n_seed) && scalars(c, n_unknowns, n_sensitivity) &&
+         directional_derivative(c, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity));
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance pointer, const fmi3ValueReference unknowns[], size_t n_unknowns,
                                     const fmi3ValueReference knowns[], size_t n_knowns, const fmi3Float64 seed[],
                                     size_t n_seed, fmi3Float64 sensitivity[], size_t n_sensitivity) {
-    (void)unknowns, (void)n_unknowns, (void)knowns, (void)n_knowns, (void)seed, (void)n_seed;
-    (void)sensitivity, (void)n_sensitivity;
-    REFUSE("%s provides no adjoint derivatives", MODEL_NAME);
+    ENTER(INITIALIZATION | RUNNING);
+    GIVE(scalars(c, n_unknowns, n_seed) && scalars(c, n_knowns, n_sensitivity) &&
+         adjoint_derivative(c, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity));
 }

@@ -72,6 +72,14 @@ void indicators(Instance *c, double *truth, double *indicator);
 bool get_values(Instance *c, const unsigned *references, size_t n, Type type, double *values);
 bool set_values(Instance *c, const unsigned *references, size_t n, Type type, const double *values);
 
+bool is_variable(Instance *c, unsigned reference, Type type);
+
+/* linearise.c */
+bool directional_derivative(Instance *c, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
+                            size_t n_knowns, const double *seed, double *sensitivity);
+bool adjoint_derivative(Instance *c, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
+                        size_t n_knowns, const double *seed, double *sensitivity);
+
 /* events.c */
 typedef struct {
     bool states_changed, next_defined;

@@ -52,4 +52,13 @@ ModelFunction model_relations;    /* -> truth of every relation, indicator of ev
 ModelFunction model_clocks;       /* -> period of every clock, phase of every clock */
 ModelFunction model_event;        /* (…, r_pre, flags) -> discrete variables and states after an event, violated asserts */
 
+/* Their derivatives, by forward mode (tangents: of the results in the direction of the seeds) and by reverse mode
+   (adjoint: the transpose). In the running model time, states and inputs are known; in the initialisation parameters
+   and the given start values as well. w: the indicators of the relations. */
+ModelFunction model_derivatives_tangent;  /* (…, dt, dx, du) -> derivatives */
+ModelFunction model_algebraics_tangent;   /* (…, dt, dx, du) -> algebraic variables, w */
+ModelFunction model_adjoint;              /* (…, derivatives, algebraic variables, w) -> dt, dx, du */
+ModelFunction model_start_tangent;  /* (…, dt, dp, dx, dz, du) -> calculated, x, z, derivatives, algebraics, w */
+ModelFunction model_start_adjoint;  /* (…, calculated, x, z, derivatives, algebraics, w) -> dt, dp, dx, dz, du */
+
 #endif

@@ -35,7 +35,7 @@ static const char *const WHEN[] = {
 
 static const char *const TYPES[] = {"Real", "Integer", "Boolean"};
 
-static bool known(Instance *c, unsigned reference, Type type) {
+bool is_variable(Instance *c, unsigned reference, Type type) {
     if (reference <= TIME && VARIABLES[reference].type == type) return true;
     return fail(c, "value reference %u is no %s variable of %s", reference, TYPES[type], MODEL_NAME);
 }
@@ -55,7 +55,7 @@ static double value_of(Instance *c, unsigned reference) {
 bool get_values(Instance *c, const unsigned *references, size_t n, Type type, double *values) {
     refresh(c, 0);
     for (size_t i = 0; i < n; i++) {
-        if (!known(c, references[i], type)) return false;
+        if (!is_variable(c, references[i], type)) return false;
         values[i] = value_of(c, references[i]);
     }
     return true;
@@ -64,7 +64,7 @@ bool get_values(Instance *c, const unsigned *references, size_t n, Type type, do
 bool set_values(Instance *c, const unsigned *references, size_t n, Type type, const double *values) {
     for (size_t i = 0; i < n; i++) {
         unsigned reference = references[i];
-        if (!known(c, reference, type)) return false;
+        if (!is_variable(c, reference, type)) return false;
         const Variable *variable = &VARIABLES[reference];
         if (!(SETTABLE[variable->kind] & c->memory.mode))
             return fail(c, "%s cannot be set now: it is %s", variable->name, WHEN[variable->kind]);
