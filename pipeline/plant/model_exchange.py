@@ -60,7 +60,25 @@ class ModelExchangePlant:
         """qdd (N, n) at q, qd (N, n), all with the same input u (n,) and parameters chi (p,), at time 0."""
         states = np.concatenate([qd, q], axis=1)
         self._prepare(states[0], u, chi, 0.0)
-        return np.array([self._evaluate(s, 0.0)[: self.n] for s in states])
+        X, dX, rows = self._batch(len(states))
+        X[:, self._order] = states
+        set_states, get_derivatives, fmu, nx = self._set_states, self._get_derivatives, self._fmu, self._nx
+        status = max(max(set_states(fmu, x, nx), get_derivatives(fmu, dx, nx)) for x, dx in rows)
+        self.calls += len(states)
+        if status:
+            self.instance.check(status, self._derivatives_call, 0.0)
+        found = dX[:, self._order[: self.n]]
+        if not np.isfinite(found).all():
+            raise FmuError(f"{self.file.path.name}: the derivatives at t = 0 s are not finite")
+        return found
+
+    def _batch(self, N: int) -> tuple[np.ndarray, np.ndarray, list]:
+        """Buffers (N, nx) of states and derivatives and the pointers to their rows, made anew where N changes."""
+        if self._rows is None or len(self._rows[0]) != N:
+            X, dX = np.zeros((2, N, self._nx))
+            pointers = [(x.ctypes.data_as(double_p), dx.ctypes.data_as(double_p)) for x, dx in zip(X, dX, strict=True)]
+            self._rows = X, dX, pointers
+        return self._rows
 
     def _rk4(self, s: np.ndarray, t: float, step: float) -> np.ndarray:
         evaluate, half, sixth = self._evaluate, 0.5 * step, step / 6.0
@@ -186,4 +204,4 @@ class ModelExchangePlant:
         self._fmu, self._set_time = calls.instance, calls.set_time
         self._set_states, self._get_derivatives = calls.set_states, calls.get_derivatives
         self._derivatives_call = calls.derivatives_call.removeprefix(calls.prefix)
-        self._tangents, self._t = None, 0.0
+        self._tangents, self._rows, self._t = None, None, 0.0

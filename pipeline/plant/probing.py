@@ -6,6 +6,8 @@ chi, column i of D is a difference of tau over a large step. Both assumptions ar
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pipeline.errors import FmuError, IdentificationError
@@ -36,19 +38,47 @@ class InverseModel:
 
         Raises FmuError where an evaluation fails, IdentificationError where the mass matrix is singular.
         """
-        base = self.torque(q, qd, qdd, self._chi0)
-        D = np.empty((*q.shape, len(self._active)))
+        T = self._by_parameter(lambda chi: self.torque(q, qd, qdd, chi))
+        return T[..., :-1], T[..., -1]
+
+    def mass(self, q: np.ndarray) -> np.ndarray:
+        """M (N, n, n, p + 1), the mass matrix at q (N, n) per unit of each parameter; the last column is what is left.
+
+        [D y0] = M qdd + rest(q, qd, M): D needs no further call of the FMU when only qdd changes.
+        """
+        return self._by_parameter(lambda chi: self._inverse(self._response(q, np.zeros_like(q), chi)[1]))
+
+    def rest(self, q: np.ndarray, qd: np.ndarray, mass: np.ndarray) -> np.ndarray:
+        """h (N, n, p + 1), the torque without acceleration per unit of each parameter, given mass = self.mass(q)."""
+        still = np.zeros(q.shape[1])
+
+        def torque(chi: np.ndarray) -> np.ndarray:
+            M = mass @ np.append(chi[self._active], 1.0)
+            return -np.einsum("gij,gj->gi", M, self._plant.accelerations(q, qd, still, chi))
+
+        return self._by_parameter(torque)
+
+    def _by_parameter(self, value: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """value(chi), linear in the active parameters, as (…, p + 1): its columns, and what chi = 0 leaves."""
+        base = value(self._chi0)
+        columns = np.empty((*base.shape, len(self._active) + 1))
         for column, i in enumerate(self._active):
             chi = self._chi0.copy()
             chi[i] += self._delta[i]
-            D[:, :, column] = (self.torque(q, qd, qdd, chi) - base) / self._delta[i]
-        return D, base - D @ self._chi0[self._active]
+            columns[..., column] = (value(chi) - base) / self._delta[i]
+        columns[..., -1] = base - columns[..., :-1] @ self._chi0[self._active]
+        return columns
 
     def torque(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, chi: np.ndarray) -> np.ndarray:
         """tau (N, n) that gives the accelerations qdd (N, n) at q, qd (N, n) with parameters chi (p of the plant,)."""
         free, J = self._response(q, qd, chi)
+        return np.einsum("gij,gj->gi", self._inverse(J), qdd - free)
+
+    @staticmethod
+    def _inverse(J: np.ndarray) -> np.ndarray:
+        """The mass matrix (N, n, n) of J (N, n, n)."""
         try:
-            return np.linalg.solve(J, (qdd - free)[..., None])[..., 0]
+            return np.linalg.inv(J)
         except np.linalg.LinAlgError:
             raise IdentificationError(
                 "the mass matrix is singular somewhere on the data: check the a-priori values"
