@@ -76,6 +76,14 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--output", metavar="DIR", help="folder of the run (default: reports/<run-id>)")
     run.set_defaults(command=_run)
 
+    excite = commands.add_parser(
+        "excite", help="design the trajectory that excites the plant best, as CSV", epilog=EXIT_CODES
+    )
+    _common(excite, seed="seed of the random starts")
+    excite.add_argument("--validation", action="store_true", help="the validation trajectory instead")
+    excite.add_argument("--output", metavar="FILE", help="write there (default: stdout)")
+    excite.set_defaults(command=_excite)
+
     report = commands.add_parser("report", help="rebuild a run's page from its record alone", epilog=EXIT_CODES)
     report.add_argument("run", metavar="RUN", help="the run's folder, or its name in reports/")
     report.add_argument("--json", action="store_true", help="print the result as JSON")
@@ -85,34 +93,40 @@ def _parser() -> argparse.ArgumentParser:
 
 def _experiment_command(commands, name: str, help_text: str) -> argparse.ArgumentParser:
     command = commands.add_parser(name, help=help_text, epilog=EXIT_CODES)
-    command.add_argument("experiment", metavar="EXPERIMENT", help="scara, emps, or a path to a .toml file")
+    _common(command, seed="seed of the noise")
     command.add_argument("--data", metavar="PATH", help="folder of the measured data")
     command.add_argument(
         "--simulated", action="store_true", help="simulated data, where the experiment has measured ones"
     )
-    command.add_argument("--fmi", choices=("2", "3"), help="FMI version of our FMUs to run on (default: 2)")
-    command.add_argument("--seed", type=int, help="seed of the noise")
     command.add_argument(
         "--jacobian", choices=("forward", "central", "directional"), help="how the EKF differentiates the plant"
     )
+    return command
+
+
+def _common(command: argparse.ArgumentParser, seed: str) -> None:
+    command.add_argument("experiment", metavar="EXPERIMENT", help="scara, emps, or a path to a .toml file")
+    command.add_argument("--fmi", choices=("2", "3"), help="FMI version of our FMUs to run on (default: 2)")
+    command.add_argument("--seed", type=int, help=seed)
     command.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="override a setting, e.g. ekf.substeps=8"
     )
     command.add_argument("--json", action="store_true", help="print the result as JSON")
-    return command
 
 
-def _session(arguments: argparse.Namespace):
+def _session(arguments: argparse.Namespace, narrate=None):
     from pipeline.workflow.session import open_session
 
+    given = vars(arguments)
     overrides = list(arguments.set)
     if arguments.seed is not None:
         overrides.append(f"seed={arguments.seed}")
-    if arguments.jacobian is not None:
+    if given.get("jacobian") is not None:
         overrides.append(f'ekf.jacobian="{arguments.jacobian}"')
     if arguments.fmi is not None:
         overrides.append(f"fmi='{arguments.fmi}'")
-    return open_session(arguments.experiment, overrides, _narrate, arguments.simulated, arguments.data)
+    simulated, data = given.get("simulated", False), given.get("data")
+    return open_session(arguments.experiment, overrides, narrate or _narrate, simulated, data)
 
 
 def _narrate(text: str) -> None:
@@ -219,6 +233,25 @@ def exit_code(record: dict) -> int:
     if record["errors"]:
         return record["errors"][0]["exit_code"]
     return 1 if record["verdict"]["status"] == "fail" else 0
+
+
+def _excite(arguments: argparse.Namespace) -> int:
+    from pipeline.report.console import Progress, design_text
+    from pipeline.workflow.exciting import check_output, entry, excite, waypoints_text
+
+    progress = Progress(sys.stderr)
+    session = _session(arguments, progress.narrate)
+    check_output(arguments.output)
+    design = excite(session, arguments.validation, progress)
+    progress.narrate(design_text(entry(design)))
+    text = waypoints_text(design.waypoints)
+    if arguments.output:
+        _write_text(text, arguments.output)
+    if arguments.json:
+        print(json.dumps({**entry(design), "seed": session.experiment.seed, "output": arguments.output}))
+    else:
+        print(arguments.output or text.rstrip())
+    return 130 if design.interrupted else 0
 
 
 def _report(arguments: argparse.Namespace) -> int:

@@ -77,6 +77,37 @@ class SimulationSettings(Settings):
     loop: Literal["disturbed", "clean"] = "disturbed"
 
 
+class ExcitationRun(Settings):
+    """A trajectory's `segments` and how long each of them takes: `segment` [s]."""
+
+    segments: Count
+    segment: Positive
+
+
+class ExcitationSettings(Settings):
+    """What `fmuid excite` is to design: a trajectory from q = 0, at rest at both ends, within limits per joint.
+
+    q, qd, qdd [rad or m, and s], tau [N.m or N]: largest sizes, of the plan and of the simulated closed loop;
+    condition_number_W, condition_number_Phi: caps; sigma_tau [N.m or N]: the torque's noise per sample (default: that
+    of [simulation], else 1). The search: random `starts`, `iterations` of each stage, `grid` [Hz]: how finely the
+    objective looks (limits are checked at 1 kHz). validation: the segments of the validation run, where they differ.
+    """
+
+    q: tuple[Positive, ...]
+    qd: tuple[Positive, ...]
+    qdd: tuple[Positive, ...]
+    tau: tuple[Positive, ...]
+    segments: Count = 20
+    segment: Positive = 1.25
+    condition_number_W: Positive | None = None
+    condition_number_Phi: Positive | None = None
+    sigma_tau: tuple[Positive, ...] = ()
+    starts: Count = 4
+    iterations: Count = 60
+    grid: Positive = 10.0
+    validation: ExcitationRun | None = None
+
+
 class Column(Settings):
     """One column of a measured file: its name and unit there; value = scale · (converted) + offset [our unit]."""
 
@@ -214,6 +245,7 @@ class Experiment(Settings):
     seed: NotNegativeCount = 0
     simulation: SimulationSettings | None = None
     data: DataSettings | None = None
+    excitation: ExcitationSettings | None = None
     ekf: EkfSettings | None = None
     closed_loop: ClosedLoopSettings | None = None
     limits: LimitSettings = LimitSettings()

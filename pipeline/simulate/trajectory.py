@@ -102,6 +102,11 @@ def check_limits(
         _check_limit(name, values, np.asarray(limit, float), motion.t)
 
 
+def peaks(motion: Trajectory, tau: np.ndarray) -> np.ndarray:
+    """The largest |q|, |qd|, |qdd|, |tau| (4, n) of a motion with its torque tau (N, n)."""
+    return np.abs([motion.q, motion.qd, motion.qdd, tau]).max(axis=1)
+
+
 def read_waypoints(path: str | os.PathLike) -> Waypoints:
     """Read way-points from a CSV file with the header `time [s], q_1 [rad], qd_1 [rad/s], qdd_1 [rad/s2], q_2 …`.
 

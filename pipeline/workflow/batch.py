@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from time import process_time
@@ -15,9 +15,10 @@ from pipeline.identify.essential import Essential, essential
 from pipeline.identify.regression import Excitation, excitation, regression
 from pipeline.identify.rls import rls
 from pipeline.identify.wls import wls
+from pipeline.plant.binding import Binding
 from pipeline.plant.plant import open_plant
 from pipeline.plant.probing import InverseModel, probe
-from pipeline.records import FAILED, Estimate, Regression
+from pipeline.records import FAILED, Estimate, Regression, Trajectory
 from pipeline.settings import WlsSettings
 from pipeline.signals.frames import filter_frame, joint_columns
 from pipeline.simulate.trajectory import read_waypoints, sample
@@ -64,11 +65,17 @@ def reference_excitation(session: Session, model: InverseModel) -> Excitation | 
     if not all(settings.sigma_u):
         return None
     motion = sample(read_waypoints(session.folder / settings.identification), settings.rate)
+    return motion_excitation(model, motion, binding, np.array(settings.sigma_u) * binding.gain)
+
+
+def motion_excitation(
+    model: InverseModel, motion: Trajectory, binding: Binding, sigma_tau: Sequence[float]
+) -> Excitation:
+    """How well a motion excites, unfiltered, weighted by the noise sigma_tau (n,) of the torque."""
     D, _ = model(motion.q, motion.qd, motion.qdd)
     W = D.transpose(1, 0, 2).reshape(-1, D.shape[2])
     joint, time = np.repeat(np.arange(binding.n), len(D)), np.tile(motion.t, binding.n)
-    sigma_tau = np.array(settings.sigma_u) * binding.gain
-    system = Regression(W, np.zeros(len(W)), time, joint, model.names, sigma_tau)
+    system = Regression(W, np.zeros(len(W)), time, joint, model.names, np.asarray(sigma_tau))
     return excitation(system, binding.select(binding.a_priori, model.names))
 
 

@@ -137,6 +137,10 @@ def _check_sizes(session: Session) -> None:
         wrong = set(session.binding.names) ^ set(e.simulation.truth)
         if wrong:
             raise ConfigError(f"{e.name}: simulation.truth and the binding's parameters differ in {sorted(wrong)}")
+    if e.excitation is not None:
+        sized += [(f"excitation.{key}", getattr(e.excitation, key), n) for key in ("q", "qd", "qdd", "tau")]
+        if e.excitation.sigma_tau:
+            sized.append(("excitation.sigma_tau", e.excitation.sigma_tau, n))
     if e.ekf is not None:
         sized.append(("ekf.P0_state", e.ekf.P0_state, 2 * n))
         for case in e.ekf.case:
