@@ -237,20 +237,21 @@ def exit_code(record: dict) -> int:
 
 def _excite(arguments: argparse.Namespace) -> int:
     from pipeline.report.console import Progress, design_text
-    from pipeline.workflow.exciting import check_output, entry, excite, waypoints_text
+    from pipeline.simulate.trajectory import waypoints_text, write_waypoints
+    from pipeline.workflow.exciting import check_output, entry, excite
 
     progress = Progress(sys.stderr)
-    session = _session(arguments, progress.narrate)
     check_output(arguments.output)
+    session = _session(arguments, progress.narrate)
     design = excite(session, arguments.validation, progress)
-    progress.narrate(design_text(entry(design)))
-    text = waypoints_text(design.waypoints)
+    found = {"seed": session.experiment.seed, **entry(design)}
+    progress.narrate(design_text(found))
     if arguments.output:
-        _write_text(text, arguments.output)
+        write_waypoints(arguments.output, design.waypoints)
     if arguments.json:
-        print(json.dumps({**entry(design), "seed": session.experiment.seed, "output": arguments.output}))
+        print(json.dumps({**found, "trajectory": arguments.output or waypoints_text(design.waypoints)}))
     else:
-        print(arguments.output or text.rstrip())
+        print(arguments.output or waypoints_text(design.waypoints).rstrip())
     return 130 if design.interrupted else 0
 
 

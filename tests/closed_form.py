@@ -41,6 +41,23 @@ def inverse_model(q, qd, qdd):
     return regressor(q, qd, qdd), np.zeros_like(q)
 
 
+class Affine:
+    """The inverse model in parts: [D y0] (N, 2, 9) = mass(q) qdd + rest(q, qd, mass(q)); smooth friction if eps > 0."""
+
+    def __init__(self, eps=0.0):
+        self.eps = eps
+
+    def mass(self, q):
+        zero = np.zeros_like(q)
+        M = np.zeros((len(q), 2, 2, 9))
+        for j in range(2):
+            M[:, :, j, :8] = regressor(q, zero, zero + np.eye(2)[j]) - regressor(q, zero, zero)
+        return M
+
+    def rest(self, q, qd, mass):
+        return np.pad(regressor(q, qd, np.zeros_like(q), self.eps), ((0, 0), (0, 0), (0, 1)))
+
+
 def acceleration(q, qd, tau, chi=TRUTH, eps=0.01):
     """Direct model qdd = M⁻¹(tau − N), two arrays (…) per argument in a list or array of length 2."""
     ZZR1, Fv1, Fs1, ZZ2, LMX2, LMY2, Fv2, Fs2 = chi

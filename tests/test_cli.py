@@ -17,7 +17,7 @@ def fmuid(*arguments, **options):
 def test_help_names_the_commands_and_loads_nothing_heavy():
     result = fmuid("--help")
     assert result.returncode == 0
-    for command in ("build", "simulate", "identify", "run", "report"):
+    for command in ("build", "simulate", "identify", "run", "excite", "report"):
         assert command in result.stdout
     loaded = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", "pipeline.cli", "--help"], capture_output=True, text=True
@@ -57,6 +57,20 @@ def test_simulate_gives_json_and_csv(fmus):
     assert table[0].startswith("time,q_1,") and len(table) == len(frame["time"]) + 1
     other = fmuid("simulate", "scara", "--seed", "2").stdout.splitlines()
     assert other != table
+
+
+def test_excite_writes_the_trajectory_and_says_what_it_is_worth(fmus, tmp_path):
+    file = tmp_path / "w.csv"
+    small = ["--set", "excitation.starts=1", "--set", "excitation.iterations=10", "--set", "excitation.segments=8"]
+    small += ["--set", "excitation.condition_number_W=1e6", "--set", "excitation.condition_number_Phi=1e6"]
+    result = fmuid("excite", "scara", "--json", "--output", str(file), *small)
+    assert result.returncode == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert found["trajectory"] == str(file) and file.read_text().count("\n") == 10
+    assert "best so far" in result.stderr and "\r" not in result.stderr
+    assert max(max(joints) for joints in found["used"].values()) <= 1.0
+    result = fmuid("excite", "scara", "--output", str(tmp_path / "none" / "w.csv"))
+    assert result.returncode == 2 and "cannot be written there" in result.stderr and result.stderr.count("\n") == 1
 
 
 QUICK = ["--set", "ekf.case=[]"]

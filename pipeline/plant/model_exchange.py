@@ -73,12 +73,13 @@ class ModelExchangePlant:
         return found
 
     def _batch(self, N: int) -> tuple[np.ndarray, np.ndarray, list]:
-        """Buffers (N, nx) of states and derivatives and the pointers to their rows, made anew where N changes."""
-        if self._rows is None or len(self._rows[0]) != N:
+        """Buffers (N, nx) of states and derivatives and the pointers to their rows; they only ever grow."""
+        if self._rows is None or len(self._rows[0]) < N:
             X, dX = np.zeros((2, N, self._nx))
             pointers = [(x.ctypes.data_as(double_p), dx.ctypes.data_as(double_p)) for x, dx in zip(X, dX, strict=True)]
             self._rows = X, dX, pointers
-        return self._rows
+        X, dX, pointers = self._rows
+        return X[:N], dX[:N], pointers[:N]
 
     def _rk4(self, s: np.ndarray, t: float, step: float) -> np.ndarray:
         evaluate, half, sixth = self._evaluate, 0.5 * step, step / 6.0

@@ -39,9 +39,9 @@ class Affine(Protocol):
 class Task:
     """What is asked of a trajectory through K way-points at t (K,) s, at rest at both ends, starting from q = 0.
 
-    limits (n,) of |q|, |qd|, |qdd|, |tau|; margin (4, n), the share of them to use; chi (p,) a-priori values; scale (p,)
-    their sizes, none 0; sigma (n,) of the torque per sample; rate of the samples and of the grid that stands for them,
-    Hz; caps on both condition numbers.
+    limits (n,) of |q|, |qd|, |qdd|, |tau|; margin (4, n), the share of them to use; chi (p,) a-priori values; scale
+    (p,) their sizes, none 0; sigma (n,) of the torque per sample; rate of the samples and of the grid that stands for
+    them, Hz; caps on both condition numbers.
     """
 
     t: np.ndarray
@@ -95,7 +95,8 @@ class Objective:
         by_motion = [np.einsum("gic,gicj->gj", by_D, d) for d in (found.by_q, found.by_qd, found.by_qdd)]
         share = rho * motion.shape[1] / held.shape[1]
         excess, slope = hinge(held, self._limits[:, None])
-        by_values = np.einsum("kgm,kgj->mj", self._grid, by_motion) + share * np.einsum("kgm,kgj->mj", self._held, slope)
+        by_values = np.einsum("kgm,kgj->mj", self._grid, by_motion)
+        by_values += share * np.einsum("kgm,kgj->mj", self._held, slope)
         return value + share * excess, np.einsum("jmy,mj->jy", self._values, by_values).ravel()
 
     def start(self, rng: np.random.Generator) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The search for an exciting trajectory: descents from random starts, the best of them polished. No clock: by counts."""
+"""The search for an exciting trajectory: descents from random starts, the best of them polished, by counts alone."""
 
 from __future__ import annotations
 

@@ -135,14 +135,19 @@ def read_waypoints(path: str | os.PathLike) -> Waypoints:
 
 def write_waypoints(path: str | os.PathLike, waypoints: Waypoints) -> None:
     """Write way-points as `read_waypoints` reads them."""
+    with open(path, "w", encoding="utf-8", newline="\n") as file:
+        file.write(waypoints_text(waypoints))
+
+
+def waypoints_text(waypoints: Waypoints) -> str:
+    """Way-points as CSV, a row per way-point."""
     names, columns = ["time [s]"], [waypoints.t]
     for i in range(waypoints.q.shape[1]):
         for name, per, values in (("q", "", waypoints.q), ("qd", "/s", waypoints.qd), ("qdd", "/s2", waypoints.qdd)):
             names.append(f"{name}_{i + 1} [{waypoints.unit}{per}]")
             columns.append(values[:, i])
     rows = [",".join(f"{value:.12g}" for value in row) for row in np.column_stack(columns)]
-    with open(path, "w", encoding="utf-8", newline="\n") as file:
-        file.write("\n".join([",".join(names), *rows]) + "\n")
+    return "\n".join([",".join(names), *rows]) + "\n"
 
 
 def _polynomial(coefficients: np.ndarray, s: np.ndarray, order: int) -> np.ndarray:

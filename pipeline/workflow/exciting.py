@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
-from pipeline.errors import ConfigError, IdentificationError
+from pipeline.errors import ConfigError, DataError, IdentificationError
 from pipeline.identify.regression import Excitation
 from pipeline.plant.plant import open_plant
 from pipeline.plant.probing import InverseModel, probe
-from pipeline.records import Trajectory
 from pipeline.settings import ExcitationRun, ExcitationSettings
 from pipeline.signals.frames import joint_columns
 from pipeline.simulate.excitation import Objective, Task
@@ -20,7 +21,11 @@ from pipeline.simulate.excitation_search import Search
 from pipeline.simulate.trajectory import Limits, Waypoints, peaks, reference_frame, sample
 from pipeline.workflow.acquire import run_loop
 from pipeline.workflow.batch import motion_excitation
+from pipeline.workflow.building import build_fmus
 from pipeline.workflow.session import Session
+
+Tell = Callable[[int, int, float], None]
+"""Gets the iterations done, their number, and the best so far."""
 
 QUANTITIES = ("q", "qd", "qdd", "tau")
 CHECK_RATE = 1000.0  # Hz
@@ -45,13 +50,14 @@ class Design:
     interrupted: bool = False
 
 
-def excite(session: Session, validation: bool = False, tell: Callable[[int, int, float], None] = lambda *_: None):
-    """Design the identification (or validation) trajectory; its seed is the experiment's. Returns a Design.
+def excite(session: Session, validation: bool = False, tell: Tell = lambda *_: None) -> Design:
+    """Design the identification (or validation) trajectory; its seed is the experiment's.
 
     An interruption ends the search, and the best so far is finished. Raises ConfigError without an [excitation] table,
     IdentificationError where the limits and caps cannot be met, with what was reached.
     """
     settings = _settings(session)
+    build_fmus(session)
     rng = np.random.default_rng([session.experiment.seed, int(validation)])
     search = Search(settings.starts, settings.iterations, session.narrate, tell)
     interrupted = False
@@ -73,6 +79,26 @@ def excite(session: Session, validation: bool = False, tell: Callable[[int, int,
             session.narrate("interrupted: finishing the best so far; once more to stop")
         with session.stage("checks"):
             return replace(_within(session, settings, model, search), interrupted=interrupted)
+
+
+def entry(design: Design) -> dict:
+    """A design's figures, as JSON takes them."""
+    return {
+        "log_det": design.log_det,
+        "condition_number_W": design.excitation.condition_number_W,
+        "condition_number_Phi": design.excitation.condition_number_Phi,
+        "left_out_of_Phi": list(design.excitation.left_out_of_Phi),
+        "used": dict(zip(QUANTITIES, design.used.tolist(), strict=True)),
+        "closed_loop_checked": design.looped,
+        "interrupted": design.interrupted,
+    }
+
+
+def check_output(name: str | None) -> None:
+    """Refuse a file that cannot be written before the search, not after it. Raises DataError."""
+    path = Path(name) if name else None
+    if path is not None and (path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK)):
+        raise DataError(f"{path}: cannot be written there; give --output a file in a folder that exists")
 
 
 def _within(session: Session, settings: ExcitationSettings, model: InverseModel, search: Search) -> Design:
@@ -121,11 +147,11 @@ def _used(session: Session, model: InverseModel, waypoints: Waypoints) -> tuple[
 
 def _loop_peaks(session: Session, waypoints: Waypoints) -> np.ndarray:
     """The largest |q|, |qd|, |tau| (3, n) of the noise-free closed loop on a trajectory."""
-    chi = session.experiment.simulation and session.truth
-    chi = session.binding.a_priori if chi is None else chi
+    simulation, binding = session.experiment.simulation, session.binding
+    chi = np.array([simulation.truth[name] for name in binding.names]) if simulation else binding.a_priori
     reference = reference_frame(sample(waypoints, 1.0 / session.experiment.controller.period))
     frame = run_loop(session, reference, chi)
-    columns = [joint_columns(c, session.binding.n) for c in ("q_true", "qd_true", "tau_true")]
+    columns = [joint_columns(c, binding.n) for c in ("q_true", "qd_true", "tau_true")]
     return np.array([np.abs(frame[c].to_numpy()).max(axis=0) for c in columns])
 
 
@@ -193,7 +219,8 @@ def _refusal(session: Session, settings: ExcitationSettings, design: Design) -> 
         for row, name in enumerate(QUANTITIES)
         for i in np.flatnonzero(design.used[row] > 1.0)
     ]
-    for name, over in zip(("condition_number_W", "condition_number_Phi"), _over_caps(design.excitation, settings)):
+    names = ("condition_number_W", "condition_number_Phi")
+    for name, over in zip(names, _over_caps(design.excitation, settings), strict=True):
         if over > 1.0:
             found.append(f"{name} {getattr(design.excitation, name):.0f}, its cap is {getattr(settings, name):g}")
     return (
