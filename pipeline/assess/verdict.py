@@ -28,6 +28,13 @@ def at_most(name: str, value: float | None, limit: float, otherwise: Status = "f
     return Item(name, float(value), limit, "pass" if value <= limit else otherwise)
 
 
+def at_least(name: str, value: float | None, limit: float, otherwise: Status = "fail") -> Item:
+    """value ≥ limit; see `at_most`."""
+    if not _finite(value):
+        return Item(name, None, limit, "fail")
+    return Item(name, float(value), limit, "pass" if value >= limit else otherwise)
+
+
 def within(name: str, value: float | None, low: float, high: float, otherwise: Status = "fail") -> Item:
     """low ≤ value ≤ high; see `at_most`."""
     if not _finite(value):

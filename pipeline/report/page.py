@@ -11,7 +11,7 @@ from pathlib import Path
 
 from bokeh.resources import Resources
 
-from pipeline.report import checks, convergence, diagnostics, motion, parameters, provenance, summary
+from pipeline.report import checks, convergence, diagnostics, loop, motion, parameters, provenance, summary
 from pipeline.report.html import Html, join, script_data, tag
 from pipeline.report.intervals import interval_plots
 from pipeline.report.panels import Panel, Store
@@ -98,6 +98,9 @@ def _sections(run: Run, store: Store) -> Iterable[Section | None]:
     )
     yield _section("tunings", "Tunings of the filter", parameters.tuning_tables(run))
     yield _section("excitation", "Excitation", provenance.excitation(run))
+    yield _section(
+        "loop", "The loop and the filters", loop.margins(run), loop.filters(run), grid(loop.gain_panels(run))
+    )
     yield _section(
         "motion",
         "What was measured, what was estimated",

@@ -59,8 +59,9 @@ class Bars:
 class Panel:
     """One plot with its words.
 
-    `link` names the group of panels whose x ranges move together ("" for none); `summary` says in numbers what is
-    seen, `caption` what good and bad look like; `table` (head, rows) holds the numbers where they are few.
+    `link` names the group of panels whose x ranges move together ("" for none); `log`: x on a logarithmic axis;
+    `summary` says in numbers what is seen, `caption` what good and bad look like; `table` (head, rows) holds the
+    numbers where they are few.
     """
 
     key: str
@@ -74,6 +75,7 @@ class Panel:
     y_range: tuple[float, float] | None = None
     table: tuple[tuple[str, ...], list[tuple[str, ...]]] | None = None
     note: str = ""
+    log: bool = False
 
 
 @dataclass
@@ -99,6 +101,7 @@ class Store:
             {
                 "key": panel.key,
                 "link": panel.link,
+                "log": panel.log,
                 "x": panel.x_label,
                 "y": panel.y_label,
                 "range": list(map(float, panel.y_range)) if panel.y_range else None,

@@ -9,7 +9,7 @@ function drawPlot(host, spec, look, range, on) {
   const x_range = new Bokeh.Range1d({start: range[0], end: range[1]});
   const y_range = new Bokeh.Range1d({start: range[2], end: range[3]});
   const figure = Bokeh.Plotting.figure({
-    x_range, y_range, tools: "", toolbar_location: null, sizing_mode: "stretch_both", min_border_left: 58,
+    x_range, y_range, x_axis_type: spec.log ? "log" : "linear", tools: "", toolbar_location: null, sizing_mode: "stretch_both", min_border_left: 58,
     min_border_right: 8, min_border_top: 4, min_border_bottom: 40, background_fill_color: null, border_fill_color: null,
     outline_line_color: null,
   });

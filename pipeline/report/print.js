@@ -6,7 +6,8 @@ const PAPER = {width: 520, height: 230, left: 62, right: 10, top: 8, bottom: 36}
 function svgPlot(spec, hidden, range) {
   const [x0, x1, y0, y1] = range;
   const {width, height, left, right, top, bottom} = PAPER;
-  const px = (x) => left + (width - left - right) * (x - x0) / (x1 - x0);
+  const along = spec.log ? Math.log10 : (x) => x;
+  const px = (x) => left + (width - left - right) * (along(x) - along(x0)) / (along(x1) - along(x0));
   const py = (y) => top + (height - top - bottom) * (y1 - y) / (y1 - y0);
   const near = (y) => Math.min(Math.max(py(y), -height), 2 * height);
   const clip = `clip-${spec.key}`;
@@ -61,7 +62,7 @@ function trace(xs, ys, px, py) {
 function axes(spec, [x0, x1, y0, y1], px, py) {
   const {width, height, left, right, bottom} = PAPER;
   const base = height - bottom;
-  const x = ticks(x0, x1, 6).map((value) =>
+  const x = (spec.log ? decades(x0, x1) : ticks(x0, x1, 6)).map((value) =>
     `<path class="grid" d="M${px(value)} ${PAPER.top}V${base}"></path><text x="${px(value)}" y="${base + 14}" text-anchor="middle">${tickText(value)}</text>`);
   const y = ticks(y0, y1, 4).map((value) =>
     `<path class="grid" d="M${left} ${py(value)}H${width - right}"></path><text x="${left - 6}" y="${py(value) + 4}" text-anchor="end">${tickText(value)}</text>`);
@@ -79,6 +80,12 @@ function ticks(low, high, wanted) {
   const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw);
   const first = Math.ceil(low / step), last = Math.floor(high / step);
   return Array.from({length: last - first + 1}, (_, k) => (first + k) * step);
+}
+
+function decades(low, high) {
+  const first = Math.floor(Math.log10(low)), last = Math.ceil(Math.log10(high));
+  const powers = Array.from({length: last - first + 1}, (_, k) => 10 ** (first + k));
+  return powers.flatMap((p) => [1, 2, 5].map((m) => m * p)).filter((value) => value >= low && value <= high);
 }
 
 function tickText(value) {

@@ -41,7 +41,10 @@ class Margins:
 
 @dataclass(frozen=True)
 class LoopResponse:
-    """A closed loop: −3 dB bandwidth (n,) Hz, margins by joint, and |reference → position| (F, n) over f (F,) in Hz."""
+    """A closed loop: −3 dB bandwidth (n,) Hz and margins by joint; gain (F, n) over f (F,) in Hz.
+
+    gain: |reference → position| of each joint, relative to that at rest.
+    """
 
     bandwidth: np.ndarray
     margins: tuple[Margins, ...]
@@ -93,10 +96,12 @@ def analyse(plant: control.StateSpace, controller: control.StateSpace) -> LoopRe
         raise ConfigError(f"closed loop: not stable, its largest pole has magnitude {radius:.4f}")
     nyquist = 0.5 / plant.dt
     f = np.geomspace(LOWEST, 1.0, POINTS) * nyquist
-    response = _response(closed, f)
-    bandwidth = np.array([_bandwidth(closed, i, f, response[:, i, i]) for i in range(plant.noutputs)])
-    margins = tuple(_margins(L, f) for L in _broken(plant, controller, f))
-    return LoopResponse(bandwidth, margins, f, np.abs(np.einsum("fii->fi", response)))
+    at_rest = np.abs(np.diag(closed(1.0, squeeze=False)))
+    if not (np.isfinite(at_rest).all() and at_rest.min() > 0.0):
+        raise ConfigError(f"closed loop: joint {int(np.argmin(at_rest)) + 1} does not follow its reference at rest")
+    gain = _gain(closed, f) / at_rest
+    bandwidth = np.array([_bandwidth(closed, i, f, gain[:, i], at_rest[i]) for i in range(plant.noutputs)])
+    return LoopResponse(bandwidth, tuple(_margins(L, f) for L in _broken(plant, controller, f)), f, gain)
 
 
 def close(plant: control.StateSpace, controller: control.StateSpace) -> control.StateSpace:
@@ -116,17 +121,18 @@ def _response(system: control.StateSpace, f: np.ndarray) -> np.ndarray:
     return system.C @ states + system.D
 
 
-def _bandwidth(closed: control.StateSpace, joint: int, f: np.ndarray, response: np.ndarray) -> float:
-    """Frequency (Hz) where a joint's gain first falls through −3 dB of its gain at 0."""
-    rest = abs(closed(1.0, squeeze=False)[joint, joint])
-    below = np.flatnonzero(np.abs(response) < DROP * rest)
-    if not (np.isfinite(rest) and rest > 0.0) or not below.size or below[0] == 0:
+def _gain(closed: control.StateSpace, f: np.ndarray) -> np.ndarray:
+    """|reference i → position i| (F, n) at f (F,) in Hz."""
+    return np.abs(np.einsum("fii->fi", _response(closed, f)))
+
+
+def _bandwidth(closed: control.StateSpace, joint: int, f: np.ndarray, gain: np.ndarray, at_rest: float) -> float:
+    """Frequency (Hz) where a joint's gain (F,), relative to that at rest, first falls through −3 dB."""
+    below = np.flatnonzero(gain < DROP)
+    if not below.size or below[0] == 0:
         raise ConfigError(f"closed loop: joint {joint + 1} has no −3 dB bandwidth below Nyquist")
-
-    def above(x: float) -> float:
-        return abs(_response(closed, np.array([x]))[0, joint, joint]) - DROP * rest
-
-    return float(brentq(above, f[below[0] - 1], f[below[0]]))
+    low, high = f[below[0] - 1], f[below[0]]
+    return float(brentq(lambda x: _gain(closed, np.array([x]))[0, joint] - DROP * at_rest, low, high))
 
 
 def _broken(plant: control.StateSpace, controller: control.StateSpace, f: np.ndarray) -> list[np.ndarray]:

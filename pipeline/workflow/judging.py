@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.assess.consistency import Consistency
-from pipeline.assess.verdict import Item, at_most, holds, within
+from pipeline.assess.verdict import Item, at_least, at_most, holds, within
 from pipeline.records import OK, Estimate
 from pipeline.workflow.batch import BatchStage
 from pipeline.workflow.filtering import Filtered
+from pipeline.workflow.loop import LoopStage
 from pipeline.workflow.session import Session
 from pipeline.workflow.validating import ValidationStage
 
@@ -16,8 +17,13 @@ HOPELESS = 100.0
 """A condition number this many times its limit is no result that could be used with care."""
 
 
+PHASE_MARGIN = 30.0
+"""Degrees below which a loop rings, so that its record holds little else."""
+
+
 def judge(
     session: Session,
+    loop: LoopStage,
     batch: BatchStage,
     filters: dict[str, Filtered],
     tests: dict[str, Consistency],
@@ -28,6 +34,9 @@ def judge(
     best = batch.recommended
     items = [holds(f"{name} solved", best.estimate.status == OK)]
     items.append(holds(f"{name} mass matrix positive all along the motion", batch.mass_is_positive))
+    phases = [abs(m.phase) for r in loop.responses for m in r.margins if m.phase is not None]
+    if phases:
+        items.append(at_least("closed loop, smallest phase margin in degrees", min(phases), PHASE_MARGIN, "warn"))
     items.append(holds(f"{name} residual white enough for sigma", not best.estimate.sigma_reason, "warn"))
     excitation = {"W": best.excitation.condition_number_W, "Phi": best.excitation.condition_number_Phi}
     for which, value in excitation.items():

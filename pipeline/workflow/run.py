@@ -24,7 +24,7 @@ from pipeline.workflow.batch import open_inverse_model, reference_excitation, ru
 from pipeline.workflow.building import prepare
 from pipeline.workflow.filtering import run_filters
 from pipeline.workflow.judging import judge
-from pipeline.workflow.loop import follow_loop
+from pipeline.workflow.loop import LoopStage, follow_loop
 from pipeline.workflow.provenance import plant_entry, provenance
 from pipeline.workflow.session import Session
 from pipeline.workflow.validating import validate
@@ -80,7 +80,7 @@ def identify(
     items: list[Item] = []
     try:
         with open_inverse_model(session, frame) as model:
-            items = _stages(session, model, frame, validation_frame, record, signals)
+            items = _stages(session, loop, model, frame, validation_frame, record, signals)
     except Exception as error:  # whatever stops a stage, what was found before it must reach the page
         record["errors"].append(_error_entry(_running(session), error))
         items.append(Item(f"stage {_running(session)}", None, None, "fail"))
@@ -112,6 +112,7 @@ def _running(session: Session) -> str:
 
 def _stages(
     session: Session,
+    loop: LoopStage,
     model: InverseModel,
     frame: pd.DataFrame,
     validation_frame: pd.DataFrame,
@@ -149,4 +150,4 @@ def _stages(
         )
     signals["validation"] = entries.prediction_signals(validation)
     signals |= {f"closed_loop_{name}": loop for name, loop in validation.loops.items()}
-    return judge(session, batch, filters, tests, validation)
+    return judge(session, loop, batch, filters, tests, validation)

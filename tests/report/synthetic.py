@@ -235,6 +235,7 @@ def _tests(joints, nis, white=True):
 
 def _record(name, title, kind, joints, estimates, position="rad", force="N.m"):
     excitation = {"condition_number_W": 231.4, "condition_number_Phi": 166.0, "singular_values": [812.0, 40.1, 3.5]}
+    loop = _loop(joints, (2.11, 28.8)[joints == 1], [n for n, e in estimates.items() if e["method"] == "WLS"])
     return {
         "run_id": f"{name}-20261122-101500",
         "created": "2026-11-22T10:15:00+00:00",
@@ -253,6 +254,7 @@ def _record(name, title, kind, joints, estimates, position="rad", force="N.m"):
         "plant": {"fmu": f"{name}.fmu", "sha256": "c0ffee" * 10, "fmi_version": "2.0", "interface": "ME", "rung": "A"},
         "verdict": _verdict(),
         "excitation": excitation | {"left_out_of_Phi": ["LMY2"] if joints == 2 else [], "reference": excitation},
+        "loop": loop,
         "estimates": estimates,
         "validation": _validation(joints, estimates),
         "findings": ["EKF(3) with the known noise and WLS(3) agree within 0.7 of their combined σ."],
@@ -268,6 +270,27 @@ def _record(name, title, kind, joints, estimates, position="rad", force="N.m"):
             "fmus": {name: {"sha256": "c0ffee" * 10, "guid": "{1234}"}},
         },
         "errors": [],
+    }
+
+
+def _loop(joints, f_dyn, names):
+    f = np.geomspace(0.01, 20.0, 200) * f_dyn
+    margin = {"gain": 8.3, "gain_at": 6 * f_dyn, "phase": 46.7, "phase_at": f_dyn, "modulus": 0.63, "modulus_at": f_dyn}
+    one = {"q": [0.4] * joints, "u": [0.0] * joints, "bandwidth": [f_dyn] * joints, "margins": [margin] * joints}
+    worst = {"phase": 39.9, "modulus": 0.61, "gain": None, "gain_at": None}
+    two = {**one, "q": [2.36] * joints, "bandwidth": [1.2 * f_dyn] * joints, "margins": [margin | worst] * joints}
+    curves = [list(1 / (1 + (f / (k * f_dyn)) ** 2)) for k in (1.0, 1.2)]
+    filters = {
+        "position": {"value": round(5 * f_dyn + 0.01, 1), "source": "5 f_dyn"},
+        "parallel": {"value": 2 * f_dyn, "source": "set"},
+        "decimation": {"value": 10, "source": "largest for the parallel cut-off"},
+    }
+    return {
+        "f_dyn": f_dyn,
+        "reason": "",
+        "filters": dict.fromkeys(names, filters),
+        "configurations": [one, two],
+        "gain": {"f": list(f), "lowest": [curves[0]] * joints, "highest": [curves[1]] * joints},
     }
 
 

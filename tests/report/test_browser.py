@@ -88,6 +88,22 @@ def test_keys_move_and_zoom(open_page):
     assert high - low < 25 * 0.75
 
 
+def test_a_gain_is_drawn_over_decades_and_both_joints_zoom_together(open_page):
+    page = open_page("scara")
+    show(page, "loop-1")
+    axes = "Bokeh.documents.flatMap((d) => d.roots()).map((f) => [f.below[0].axis_label, f.below[0].type])"
+    assert {kind for label, kind in page.evaluate(axes) if label == "Frequency in Hz"} == {"LogAxis"}
+    low, high = page.evaluate("report.rangeOf('loop-1').slice(0, 2)")
+    assert low == pytest.approx(0.0211, rel=1e-3) and high == pytest.approx(42.2, rel=1e-3)
+    page.evaluate("report.setRange('loop', 1, 10)")
+    assert page.evaluate("report.rangeOf('loop-2').slice(0, 2)") == [1, 10]
+    page.emulate_media(media="print")
+    page.wait_for_selector("#p-loop-2 + svg.paper", state="attached")
+    ticks = "[...document.querySelectorAll('#p-loop-2 + svg.paper text')].map((t) => t.textContent)"
+    assert {"1", "2", "5", "10"} <= set(page.evaluate(ticks))
+    assert page.errors == []
+
+
 def test_the_legend_hides_a_series(open_page):
     page = open_page("scara")
     show(page, "course-ekf-2-0")

@@ -192,3 +192,21 @@ def test_a_filter_that_failed_on_its_way_shows_how_far_it_came():
 def test_a_broken_folder_is_one_line(tmp_path):
     with pytest.raises(DataError, match="not found"):
         write_page(tmp_path / "nowhere")
+
+
+def test_the_loop_shows_the_worst_margins_and_where_each_cutoff_comes_from(texts):
+    text = words(section(texts["scara"], "loop"))
+    assert "Joint 2 2.11 to 2.53 39.9° 2.11 Hz 8.30 (18.4 dB) 0.61 2.4, 2.4 rad" in text
+    assert "f_dyn = 2.11 Hz" in text and "of 2 configurations" in text
+    assert "WLS(3) 10.6 Hz, 5 f_dyn 4.22 Hz, set 1 of 10, largest for the parallel cut-off" in text
+    assert "28.8 to 34.6" in words(section(texts["emps"], "loop"))
+
+
+def test_a_loop_that_could_not_be_analysed_says_why():
+    record, signals = synthetic.emps(samples=50)
+    filters = record["loop"]["filters"]
+    record["loop"] = {"f_dyn": None, "reason": "the experiment has no [controller]", "filters": filters}
+    text = words(section(page(record, signals), "loop"))
+    assert "No loop was analysed: the experiment has no [controller]." in text and "WLS(house)" in text
+    del record["loop"]
+    assert not any(e.get("id") == "loop" for e in tree(page(record, signals)).iter("section"))
