@@ -104,9 +104,8 @@ def test_a_violated_limit_is_exit_code_1(fmus, tmp_path):
 
 
 def test_a_failed_stage_has_its_own_exit_code_and_still_a_page(fmus, tmp_path):
-    result = fmuid(
-        "run", "scara", "--output", str(tmp_path / "run"), *QUICK, "--set", "wls.WLS(3).parallel.cutoff=0.001"
-    )
+    broken = ["--set", "wls.WLS(3).parallel.cutoff=0.001", "--set", "wls.WLS(3).decimation=10"]
+    result = fmuid("run", "scara", "--output", str(tmp_path / "run"), *QUICK, *broken)
     assert result.returncode == 4 and "not identifiable apart" in result.stderr
     assert (tmp_path / "run" / "index.html").is_file()
 

@@ -70,7 +70,7 @@ def test_signals_of_a_filter_are_complete(scara):
 
 
 def test_a_failed_stage_still_leaves_a_page(fmus, tmp_path):
-    session = open_session("scara", ["wls.WLS(3).parallel.cutoff=0.001"])
+    session = open_session("scara", ["wls.WLS(3).parallel.cutoff=0.001", "wls.WLS(3).decimation=10"])
     folder, record = run(session, str(tmp_path / "broken"))
     assert record["verdict"]["status"] == "fail"
     assert record["errors"][0]["stage"] == "WLS and RLS" and "not identifiable apart" in record["errors"][0]["message"]
