@@ -150,11 +150,11 @@ def _build(arguments: argparse.Namespace) -> int:
 def _build_own(arguments: argparse.Namespace) -> list:
     from pipeline.export.build import build
     from pipeline.paths import FMUS
-    from pipeline.plant.binding import gains_of_bindings
+    from pipeline.plant.binding import gains_of_bindings, variants_of_bindings
 
     if arguments.output:
         raise ConfigError("--output names the FMU of one --model: give that too")
-    options = {"fmi": arguments.fmi, "force": arguments.force, "report": _narrate}
+    options = {"fmi": arguments.fmi, "force": arguments.force, "report": _narrate, "variants": variants_of_bindings()}
     return build(arguments.names or None, FMUS, gains_of_bindings(), **options)
 
 

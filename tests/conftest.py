@@ -12,9 +12,9 @@ from pipeline.paths import FMUS, ROOT
 def fmus():
     """Folder of the FMUs, built where they are not up to date."""
     from pipeline.export.build import build
-    from pipeline.plant.binding import gains_of_bindings
+    from pipeline.plant.binding import gains_of_bindings, variants_of_bindings
 
-    build(None, FMUS, gains_of_bindings())
+    build(None, FMUS, gains_of_bindings(), variants=variants_of_bindings())
     return FMUS
 
 

@@ -19,7 +19,7 @@ from threading import Lock
 
 from pipeline.errors import ExportError
 from pipeline.export.archive import write_archive
-from pipeline.export.catalogue import exported
+from pipeline.export.catalogue import Recipe, recipes
 from pipeline.export.claim import claimed
 from pipeline.export.codegen import generate
 from pipeline.export.compiler import compile_library, describe_compiler, find_compiler, platform
@@ -29,6 +29,7 @@ from pipeline.export.frontend import load
 from pipeline.export.model_description_fmi2 import describe as describe_fmi2
 from pipeline.export.model_description_fmi3 import describe as describe_fmi3
 from pipeline.export.model_description_fmi3 import describe_build
+from pipeline.export.variants import with_inputs
 from pipeline.paths import MODELICA
 
 VERSIONS = {"2": ("2",), "3": ("3",), "both": ("2", "3")}
@@ -54,38 +55,38 @@ def build(
     force: bool = False,
     modelica: Path = MODELICA,
     report: Callable[[str], None] = lambda line: None,
+    variants: Mapping[str, tuple[str, tuple[str, ...]]] | None = None,
 ) -> list[Built]:
     """Build the FMUs `names` (None: all) into `out`; those whose inputs have not changed are left alone.
 
     start_values: {FMU name: {parameter: value}} replace bindings of the Modelica text; the FMU must have the parameter.
-    fmi: the version, "2", "3" or "both". Raises ExportError.
+    fmi: the version, "2", "3" or "both". variants: {FMU name: (name of its plain FMU, parameters)}: FMUs with these
+    parameters as continuous inputs. Raises ExportError.
     """
     if fmi not in VERSIONS:
         raise ExportError(f"FMI version {fmi}: there are 2, 3 and both")
-    classes = exported(modelica)
-    unknown = sorted(set(names or ()) - set(classes))
+    offered = recipes(modelica, start_values, variants)
+    unknown = sorted(set(names or ()) - set(offered))
     if unknown:
-        what = f"no FMU {', '.join(unknown)}: there are {', '.join(classes)}"
+        what = f"no FMU {', '.join(unknown)}: there are {', '.join(offered)}"
         raise ExportError(f"{what}; --fmi chooses the version" if any("_fmi3" in name for name in unknown) else what)
-    starts = {name: dict((start_values or {}).get(name, {})) for name in names or classes}
     with claimed(out):
-        return _build(classes, out, starts, fmi, force, modelica, report)
+        return _build({name: offered[name] for name in names or offered}, out, fmi, force, modelica, report)
 
 
 def _build(
-    classes: Mapping[str, str],
+    chosen: Mapping[str, Recipe],
     out: Path,
-    starts: Mapping[str, dict[str, float]],
     fmi: str,
     force: bool,
     modelica: Path,
     report: Callable[[str], None],
 ) -> list[Built]:
-    """Build those of the FMUs named in `starts` that are not up to date."""
+    """Build those of the FMUs that are not up to date."""
     record = read_record(out / RECORD)
     compiler = describe_compiler()
-    inputs = {name: fingerprint(modelica, starts[name]) for name in starts}
-    files = {name: {version: out / f"{name}{SUFFIX[version]}.fmu" for version in VERSIONS[fmi]} for name in starts}
+    inputs = {name: fingerprint(modelica, recipe) for name, recipe in chosen.items()}
+    files = {name: {version: out / f"{name}{SUFFIX[version]}.fmu" for version in VERSIONS[fmi]} for name in chosen}
     todo = {
         name: {v: p for v, p in paths.items() if force or state(p, inputs[name], compiler, record) != "fresh"}
         for name, paths in files.items()
@@ -96,7 +97,7 @@ def _build(
 
     def make(name: str) -> list[Built]:
         started = time.perf_counter()
-        export(modelica, classes[name], todo[name], starts[name], name)
+        export(modelica, chosen[name], todo[name], name)
         seconds = time.perf_counter() - started
         return [Built(name, path, seconds, False) for path in todo[name].values()]
 
@@ -112,15 +113,14 @@ def _build(
     return [made.get(path) or Built(name, path, 0.0, True) for name in files for path in files[name].values()]
 
 
-def export(
-    modelica: Path, model: str, files: Mapping[str, Path], starts: Mapping[str, float] | None = None, name: str = ""
-) -> None:
+def export(modelica: Path, recipe: Recipe, files: Mapping[str, Path], name: str = "") -> None:
     """Export one class as FMUs for Model Exchange and Co-Simulation; files: {FMI version: path}.
 
     name: of the library; the first file's without one. Raises ExportError.
     """
     with ONE_AT_A_TIME:
-        contents = write_contents(translate(load(modelica, model), starts), name or library_name(files))
+        model = with_inputs(translate(load(modelica, recipe.model), recipe.starts), recipe.inputs)
+        contents = write_contents(model, name or library_name(files))
     pack(contents, files)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pipeline.errors import ExportError
 from pipeline.export.build import SUFFIX, VERSIONS, Built, export
-from pipeline.export.catalogue import identifier
+from pipeline.export.catalogue import Recipe, identifier
 from pipeline.export.classes import find_models
 
 SHOWN = 12
@@ -42,7 +42,7 @@ def build_foreign(modelica: Path, model: str | None, output: Path | None = None,
         files = {fmi: output}
     started = time.perf_counter()
     try:
-        export(modelica, model, files)
+        export(modelica, Recipe(model, {}), files)
     except ExportError as error:
         if model in models or "front end refuses" not in str(error):
             raise

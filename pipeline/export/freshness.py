@@ -6,9 +6,11 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 from pipeline import __version__
+from pipeline.export.catalogue import Recipe
 from pipeline.export.compiler import platform
 
 HERE = Path(__file__).resolve().parent
@@ -17,8 +19,8 @@ EXPORTER = [*sorted(HERE.glob("*.py")), HERE.parent / "units.py", *sorted(WRAPPE
 RECORD = ".build.json"
 
 
-def fingerprint(modelica: Path, starts: Mapping[str, float]) -> str:
-    """A hash of all an FMU is made from but the compiler: sources of model and exporter, start values, versions."""
+def fingerprint(modelica: Path, recipe: Recipe) -> str:
+    """A hash of all an FMU is made from but the compiler: sources of model and exporter, recipe, versions."""
     from importlib.metadata import version
 
     h = hashlib.sha256()
@@ -27,7 +29,7 @@ def fingerprint(modelica: Path, starts: Mapping[str, float]) -> str:
             h.update(file.relative_to(root).as_posix().encode())
             h.update(file.read_bytes())
     tools = {tool: version(tool) for tool in ("rumoca", "casadi", "fmpy")}
-    h.update(json.dumps([starts, tools, __version__, platform()], sort_keys=True).encode())
+    h.update(json.dumps([asdict(recipe), tools, __version__, platform()], sort_keys=True).encode())
     return h.hexdigest()
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pipeline.export.catalogue import recipes
 from pipeline.export.compiler import describe_compiler
 from pipeline.export.freshness import RECORD, fingerprint, read_record, state
 from pipeline.paths import FMUS, MODELICA, built_fmu
-from pipeline.plant.binding import gains_of_bindings
+from pipeline.plant.binding import gains_of_bindings, variants_of_bindings
 from pipeline.workflow.acquire import check_file, data_files
-from pipeline.workflow.session import Session, our_fmus
+from pipeline.workflow.session import Session
 
 
 def fmu_files(session: Session) -> list[Path]:
@@ -19,10 +20,11 @@ def fmu_files(session: Session) -> list[Path]:
 
 def fmu_states(session: Session) -> dict[str, str]:
     """What those of the experiment's FMUs are that we can build: {name: "missing", "foreign", "stale" or "fresh"}."""
-    files = {path: name for name in our_fmus() for path in [built_fmu(name, session.experiment.fmi)]}
-    gains, compiler, record = gains_of_bindings(), describe_compiler(), read_record(FMUS / RECORD)
+    offered = recipes(MODELICA, gains_of_bindings(), variants_of_bindings())
+    files = {built_fmu(name, session.experiment.fmi): name for name in offered}
+    compiler, record = describe_compiler(), read_record(FMUS / RECORD)
     ours = {files[path]: path for path in fmu_files(session) if path in files}
-    return {n: state(path, fingerprint(MODELICA, gains.get(n, {})), compiler, record) for n, path in ours.items()}
+    return {n: state(path, fingerprint(MODELICA, offered[n]), compiler, record) for n, path in ours.items()}
 
 
 def prepare(session: Session, runs: tuple[bool, ...] = (False, True)) -> None:
@@ -46,4 +48,5 @@ def build_fmus(session: Session) -> None:
 
         session.narrate(f"  building {', '.join(todo)}, {' and '.join(sorted({states[n] for n in todo}))} …")
         with session.stage("FMUs"):
-            build(todo, FMUS, gains_of_bindings(), session.experiment.fmi, report=lambda t: session.narrate(f"  {t}"))
+            options = {"fmi": session.experiment.fmi, "variants": variants_of_bindings()}
+            build(todo, FMUS, gains_of_bindings(), report=lambda t: session.narrate(f"  {t}"), **options)

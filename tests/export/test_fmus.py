@@ -9,6 +9,7 @@ from tests.export.oracles import EMPS, SCARA, emps_rhs, march, runge_kutta, scar
 from tests.modelica.sources import PACKAGE, snake_case
 
 NAMES = [snake_case(name) for name in (PACKAGE / "FMUs/package.order").read_text().split()]
+NAMES += ["scara_inputs", "emps_inputs"]
 H = 0.01
 PLANTS = {
     "scara": (scara_rhs, SCARA, ("tau_1", "tau_2"), ("q_1", "q_2", "qd_1", "qd_2")),

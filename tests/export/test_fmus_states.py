@@ -27,6 +27,8 @@ DRIVEN = {  # inputs (as functions of time) and outputs
     "emps_controller": (dict(qr=0.01, pulse=1.0, q=0.002), ("u",)),
     "emps_closed_loop": (dict(qr=0.01, pulse=1.0), ("q", "qd", "u")),
 }
+for variant in ("scara_inputs", "emps_inputs"):  # the parameters are inputs too, and stay where they start
+    DRIVEN[variant] = DRIVEN[variant.removesuffix("_inputs")]
 SAMPLED = ("scara_controller", "scara_closed_loop", "emps_controller", "emps_closed_loop")
 STARTS = {
     "scara": dict(q_start_1="body.q_1", q_start_2="body.q_2", qd_start_1="body.qd_1", qd_start_2="body.qd_2"),

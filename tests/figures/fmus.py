@@ -7,7 +7,7 @@ from fmpy.validation import validate_fmu
 
 from pipeline.export.build import build
 from pipeline.paths import FMUS
-from pipeline.plant.binding import gains_of_bindings
+from pipeline.plant.binding import gains_of_bindings, variants_of_bindings
 from tests.export.driver import Archive
 from tests.export.oracles import march
 from tests.export.test_fmus import NAMES, PLANTS, H, by_model_exchange, commands, drive
@@ -16,7 +16,7 @@ from tests.figures.figure import Figure, at_most, yes
 
 def measure() -> list[Figure]:
     """Every figure of the FMUs."""
-    build(None, FMUS, gains_of_bindings())
+    build(None, FMUS, gains_of_bindings(), variants=variants_of_bindings())
     silent = [name for name in NAMES if not validate_fmu(str(FMUS / f"{name}.fmu"))]
     rows = [yes("fmpy validation silent", silent == NAMES, f"{len(silent)} of {len(NAMES)}", "every FMU")]
     for name in PLANTS:

@@ -4,6 +4,7 @@ import pytest
 
 from pipeline.errors import FmuError
 from pipeline.export.build import export
+from pipeline.export.catalogue import Recipe
 from pipeline.plant.binding import load_binding
 from pipeline.plant.plant import open_plant
 
@@ -59,7 +60,7 @@ def plants(tmp_path_factory):
     for name, (extra, equations) in MODELS.items():
         source = folder / f"{name}.mo"
         source.write_text(MODEL.format(name=name, extra=extra, equations=equations))
-        export(source, name, {"2": folder / f"{name}.fmu"})
+        export(source, Recipe(name, {}), {"2": folder / f"{name}.fmu"})
         (folder / f"{name}.toml").write_text(BINDING.format(name=name))
     return folder
 
