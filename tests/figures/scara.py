@@ -19,6 +19,7 @@ from pipeline.simulate.closed_loop import simulate_closed_loop_fmu
 from pipeline.workflow.acquire import reference_of, simulate
 from pipeline.workflow.batch import Batch, open_inverse_model, reference_excitation, run_variant
 from pipeline.workflow.filtering import run_case
+from pipeline.workflow.loop import follow_loop
 from pipeline.workflow.session import Session, open_session
 from tests.closed_form import regressor
 from tests.figures.figure import Figure, at_most, below, between, yes
@@ -30,7 +31,7 @@ ESSENTIAL = {"ZZR1", "Fs1", "ZZ2", "LMX2", "Fv2", "Fs2"}
 
 def measure(seeds=SEEDS) -> Iterator[Figure]:
     """Every figure of the SCARA, as it is measured."""
-    session = open_session("scara")
+    session = session_of()
     yield from excitation_figures(session)
     yield closed_loop_figure(session)
     yield from wls_figures("disturbed", seeds)
@@ -43,8 +44,9 @@ def measure(seeds=SEEDS) -> Iterator[Figure]:
 
 
 def session_of(seed: int = 1, *overrides: str) -> Session:
-    """The experiment with a seed of its noise."""
-    return open_session("scara", [f"seed={seed}", *overrides])
+    """The experiment with a seed of its noise, its filters following the loop, as its run would have them."""
+    session = open_session("scara", [f"seed={seed}", *overrides])
+    return follow_loop(session, reference_of(session))[0]
 
 
 def excitation_figures(session: Session) -> list[Figure]:

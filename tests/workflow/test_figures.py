@@ -2,13 +2,12 @@
 
 import pytest
 
-from pipeline.workflow.session import open_session
 from tests.figures import scara
 
 
 @pytest.fixture(scope="module")
 def session(fmus):
-    return open_session("scara")
+    return scara.session_of()
 
 
 def test_excitation_and_regressor(session):
