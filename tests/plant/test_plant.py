@@ -1,5 +1,6 @@
 """The seam on our FMUs, against the paper's closed form and against itself."""
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -14,9 +15,10 @@ POINTS = [(RNG.uniform(-2, 2, 4), RNG.uniform(-1, 1, 2) * [16, 3]) for _ in rang
 CHI = TRUTH + np.array([0.3, -0.2, 0.1, 0.01, -0.02, 0.01, 0.01, -0.05])
 
 
-@pytest.fixture(scope="module")
-def scara(fmus):
-    return load_binding(str(fmus / "scara.toml"))
+@pytest.fixture(scope="module", params=["scara.fmu", "scara_fmi3.fmu", "scara_inputs.fmu", "scara_inputs_fmi3.fmu"])
+def scara(fmus, request):
+    """The plant by both FMI versions, with its parameters as parameters and as inputs."""
+    return msgspec.structs.replace(load_binding(str(fmus / "scara.toml")), fmu=request.param)
 
 
 def exact(s, u, chi):
@@ -78,7 +80,7 @@ def test_a_transition_depends_on_its_arguments_alone(scara, interface):
 @pytest.mark.parametrize("interface", ["ME", "CS"])
 def test_no_mass_is_an_error_that_names_the_fmu(scara, interface):
     with open_plant(scara, interface=interface) as plant:
-        with pytest.raises(FmuError, match=r"scara\.fmu"):
+        with pytest.raises(FmuError, match=scara.fmu):
             plant.transition(np.zeros(4), np.ones(2), np.zeros(8), 0.0, 0.01)
         # and the plant lives on
         s, u = POINTS[0]
@@ -134,3 +136,30 @@ def test_folders_are_removed(scara):
         folder = file.folder
         assert folder.is_dir()
     assert not folder.exists()
+
+
+@pytest.mark.parametrize(("method", "substeps"), [("euler", 1), ("rk4", 1), ("rk4", 4)])
+def test_sensitivities_are_the_closed_forms(scara, method, substeps):
+    """By state, input and parameters that are inputs: against central differences of the exact transition."""
+
+    def exact_transition(z):
+        s, u, chi = z[:4], z[4:6], z[6:]
+        return s + 0.002 * exact(s, u, chi) if method == "euler" else rk4(s, u, chi, 0.002, substeps)
+
+    with open_plant(scara, method=method, substeps=substeps) as plant:
+        for s, u in POINTS:
+            found = plant.sensitivity(s, u, CHI, 0.3, 0.002)
+            z = np.concatenate([s, u, CHI])
+            J = np.array([(exact_transition(z + d) - exact_transition(z - d)) / 2e-6 for d in 1e-6 * np.eye(14)]).T
+            assert list(found.fed) == (list(range(8)) if "inputs" in scara.fmu else [])
+            np.testing.assert_array_equal(found.f, plant.transition(s, u, CHI, 0.3, 0.002))
+            np.testing.assert_allclose(np.hstack([found.A, found.C]), J[:, :6], rtol=1e-7, atol=2e-8)
+            if found.fed.size:
+                np.testing.assert_allclose(found.B, J[:, 6:], rtol=1e-7, atol=2e-8)
+
+
+def test_co_simulation_gives_no_directional_derivatives_of_a_step(scara):
+    with open_plant(scara, interface="CS") as plant:
+        assert not plant.directional
+    with open_plant(scara) as plant:
+        assert plant.directional

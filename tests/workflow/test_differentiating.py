@@ -1,0 +1,69 @@
+"""The filter's Jacobian: what was asked for, checked against another way, and what it gives way to."""
+
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+
+from pipeline.errors import FmuError
+from pipeline.plant.fmu import Fmu
+from pipeline.plant.tangents import Tangents
+from pipeline.workflow.acquire import simulate
+from pipeline.workflow.batch import open_inverse_model, run_variant
+from pipeline.workflow.differentiating import JacobianChoice, choose_jacobian
+from pipeline.workflow.session import open_session
+
+RK4 = ("ME", "rk4", 4)
+
+
+@pytest.fixture(scope="module")
+def best(fmus):
+    """The recommended WLS of a short record."""
+    session = open_session("scara")
+    frame = simulate(session)
+    with open_inverse_model(session, frame) as model:
+        return run_variant(session, frame, model, session.recommended)
+
+
+@pytest.mark.parametrize("plant", ["scara", "scara_inputs"])
+def test_directional_derivatives_are_used_and_agree(best, plant):
+    choice = choose_jacobian(open_session("scara", [f"plant={plant!r}"]), best, *RK4)
+    assert (choice.used, choice.against, choice.reason, choice.doubt) == ("directional", "central", "", "")
+    assert choice.difference < 1e-5
+
+
+@pytest.mark.parametrize(("mode", "against", "limit"), [("forward", "central", 1e-4), ("central", "forward", 1e-4)])
+def test_differences_are_checked_against_each_other(best, mode, against, limit):
+    choice = choose_jacobian(open_session("scara", [f"ekf.jacobian={mode!r}"]), best, *RK4)
+    assert (choice.used, choice.against, choice.reason) == (mode, against, "")
+    assert 0.0 < choice.difference < limit
+
+
+def test_without_directional_derivatives_differences_are_used(best):
+    with patch.object(Fmu, "directional", lambda self, interface: False):
+        choice = choose_jacobian(open_session("scara"), best, *RK4)
+    assert choice.used == "forward" and "the FMU provides none" in choice.text
+    choice = choose_jacobian(open_session("scara"), best, "CS", "rk4", 4)
+    assert choice.used == "forward" and "by Co-Simulation there are none of a step" in choice.text
+
+
+def test_wrong_directional_derivatives_are_found_and_left_alone(best):
+    right = Tangents.__call__
+    with patch.object(Tangents, "__call__", lambda self, t: 1.01 * right(self, t)):
+        choice = choose_jacobian(open_session("scara"), best, *RK4)
+    assert choice.used == "forward" and "the FMU's directional derivatives are" in choice.reason and not choice.doubt
+    assert choice.difference < 1e-4
+
+
+def test_directional_derivatives_that_fail_are_left_alone(best):
+    def fails(self, t):
+        raise FmuError("scara.fmu: fmi2GetDirectionalDerivative returned Error")
+
+    with patch.object(Tangents, "__call__", fails):
+        choice = choose_jacobian(open_session("scara"), best, *RK4)
+    assert choice.used == "forward" and "cannot be had" in choice.reason and "returned Error" in choice.reason
+
+
+def test_ways_that_disagree_cast_doubt_on_sigma():
+    assert "is 2.0e-02 from" in JacobianChoice("forward", "central", 0.02).doubt
+    assert np.all([JacobianChoice("forward", "central", d).doubt == "" for d in (1e-6, None)])
