@@ -15,7 +15,7 @@ import numpy as np
 EPSILON = {"forward": 1e-7, "central": 1e-5}
 STATE_FLOOR = 1.0
 AGREED = 1e-3
-"""Two modes that differ by more, of a column's largest entry, are not derivatives of the same thing."""
+"""Two modes that differ by more, of a column's largest entry, are not derivatives of one thing."""
 
 
 @dataclass(frozen=True)
@@ -80,14 +80,9 @@ def _differences(plant, s, chi, u, t: float, dt: float, mode: str, f: np.ndarray
 
 
 def disagreement(plant, points: Iterable[Point], mode: str, other: str) -> float:
-    """How far two modes are apart: the largest difference in a column, relative to its largest entry, over points."""
-    worst = 0.0
-    for at in points:
-        one, two = (linearise(plant, at.s, at.chi, at.u, at.t, at.dt, m) for m in (mode, other))
-        J, K = (np.hstack([model.A, model.B, model.C]) for model in (one, two))
-        scale = np.abs(K).max(axis=0)
-        apart = np.abs(J - K).max(axis=0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            relative = np.where(apart == 0.0, 0.0, apart / scale)
-        worst = max(worst, float(relative.max()))
-    return worst
+    """How far two modes are apart: the largest difference in a column, relative to its largest entry, over all points."""
+    pairs = [[linearise(plant, p.s, p.chi, p.u, p.t, p.dt, m) for m in (mode, other)] for p in points]
+    J, K = (np.array([np.hstack([x.A, x.B, x.C]) for x in models]) for models in zip(*pairs, strict=True))
+    apart, size = np.abs(J - K).max(axis=(0, 1)), np.abs(K).max(axis=(0, 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return float(np.max(np.where(apart == 0.0, 0.0, apart / size)))

@@ -55,8 +55,8 @@ def jacobians(run: Run) -> Html | None:
     labels = ("Filter", "Transition", "Jacobian", "compared with", "largest difference", "Remark")
     head = [tag("th", h, scope="col") for h in labels]
     caption = (
-        "The difference is relative to the largest entry of its column, at ten points of the motion, before the filter"
-        " ran. Good: 1e-5 or less. Directional derivatives are the FMU's own, by states and inputs; columns of"
+        "The difference is relative to the largest entry of its column over ten points of the motion, seen before the"
+        " filter ran. Good: 1e-5 or less. Directional derivatives are the FMU's own, by states and inputs; columns of"
         " parameters are forward differences, unless the FMU has its parameters as inputs."
     )
     return table("Jacobians of the filters", [head], [_jacobian_row(run, n, j) for n, j in found.items()], caption)

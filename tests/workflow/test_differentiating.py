@@ -32,7 +32,7 @@ def test_directional_derivatives_are_used_and_agree(best, plant):
     assert choice.difference < 1e-5
 
 
-@pytest.mark.parametrize(("mode", "against", "limit"), [("forward", "central", 1e-4), ("central", "forward", 1e-4)])
+@pytest.mark.parametrize(("mode", "against", "limit"), [("forward", "central", 1e-5), ("central", "forward", 1e-5)])
 def test_differences_are_checked_against_each_other(best, mode, against, limit):
     choice = choose_jacobian(open_session("scara", [f"ekf.jacobian={mode!r}"]), best, *RK4)
     assert (choice.used, choice.against, choice.reason) == (mode, against, "")
@@ -52,7 +52,7 @@ def test_wrong_directional_derivatives_are_found_and_left_alone(best):
     with patch.object(Tangents, "__call__", lambda self, t: 1.01 * right(self, t)):
         choice = choose_jacobian(open_session("scara"), best, *RK4)
     assert choice.used == "forward" and "the FMU's directional derivatives are" in choice.reason and not choice.doubt
-    assert choice.difference < 1e-4
+    assert choice.difference < 1e-5
 
 
 def test_directional_derivatives_that_fail_are_left_alone(best):
