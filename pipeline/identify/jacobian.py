@@ -80,7 +80,7 @@ def _differences(plant, s, chi, u, t: float, dt: float, mode: str, f: np.ndarray
 
 
 def disagreement(plant, points: Iterable[Point], mode: str, other: str) -> float:
-    """How far two modes are apart: the largest difference in a column, relative to its largest entry, over all points."""
+    """How far two modes are apart: the largest difference in a column over its largest entry, over all points."""
     pairs = [[linearise(plant, p.s, p.chi, p.u, p.t, p.dt, m) for m in (mode, other)] for p in points]
     J, K = (np.array([np.hstack([x.A, x.B, x.C]) for x in models]) for models in zip(*pairs, strict=True))
     apart, size = np.abs(J - K).max(axis=(0, 1)), np.abs(K).max(axis=(0, 1))
