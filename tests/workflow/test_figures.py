@@ -26,8 +26,8 @@ def test_noise_free_filter_finds_the_truth(session):
 
 
 def test_covariance_forms_agree_through_the_fmu(session):
-    same, own = scara.covariance_figures()
-    assert same.held, same
+    same, directional, own = scara.covariance_figures()
+    assert same.held and directional.held, (same, directional)
     assert float(own.measured) < 1e-6, "round-off of the differences alone: 1e-16 over a step of 1e-5"
 
 
