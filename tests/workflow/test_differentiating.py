@@ -12,6 +12,7 @@ from pipeline.workflow.acquire import simulate
 from pipeline.workflow.batch import open_inverse_model, run_variant
 from pipeline.workflow.differentiating import JacobianChoice, choose_jacobian
 from pipeline.workflow.session import open_session
+from tests.figures.scara import session_of
 
 RK4 = ("ME", "rk4", 4)
 
@@ -19,7 +20,7 @@ RK4 = ("ME", "rk4", 4)
 @pytest.fixture(scope="module")
 def best(fmus):
     """The recommended WLS of a short record."""
-    session = open_session("scara")
+    session = session_of()
     frame = simulate(session)
     with open_inverse_model(session, frame) as model:
         return run_variant(session, frame, model, session.recommended)

@@ -8,14 +8,14 @@ from pipeline.workflow.acquire import simulate
 from pipeline.workflow.batch import open_inverse_model, run_variant
 from pipeline.workflow.filtering import run_case
 from pipeline.workflow.provenance import plant_entry
-from pipeline.workflow.session import open_session
+from tests.figures.scara import session_of
 
 SAMPLES = 600
 
 
 def stages(*overrides):
     """The simulated record, WLS, and the filter on its beginning: (session, frame, theta of WLS, filter run)."""
-    session = open_session("scara", overrides)
+    session = session_of(1, *overrides)
     frame = simulate(session)
     with open_inverse_model(session, frame) as model:
         best = run_variant(session, frame, model, session.recommended)
