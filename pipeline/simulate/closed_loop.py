@@ -3,7 +3,8 @@
 At every sample t_k of the controller:
 
 1. the plant's position q(t_k) and velocity are read;
-2. the sensor adds its noise (disturbed loop: the controller sees it; clean loop: the record alone);
+2. the sensor adds its noise and rounds to the encoder's step (disturbed loop: the controller sees it; clean loop: the
+   record alone);
 3. the controller gets the reference of t_k and the position, and does its step t_k → t_k + dt: it ticks at the START of
    the step, so its output u_k answers to q(t_k);
 4. the plant gets u_k, held over the step (disturbed loop: u_k plus the input noise), and does the same step.
@@ -71,8 +72,8 @@ def simulate_closed_loop(
     t = _instants(reference, period)
     inputs = controller_inputs(ports, reference)
     in_loop = float(noise.loop == "disturbed")
-    state, u = np.empty((N, 2 * n)), np.empty((N, n))
-    seen_noise, drive_noise = in_loop * noise.position, in_loop * noise.input
+    state, q, u = np.empty((N, 2 * n)), np.empty((N, n)), np.empty((N, n))
+    drive_noise = in_loop * noise.input
     with Slave(plant, plant_start, t[0]) as robot, Slave(controller, controller_start, t[0]) as pd_law:
         states = robot.port([*ports.plant_position, *ports.plant_velocity])
         drive = robot.port(ports.plant_input)
@@ -80,14 +81,15 @@ def simulate_closed_loop(
         output = pd_law.port(ports.output)
         for k in range(N):
             state[k] = states.read()
-            sensed.write(np.concatenate([inputs[k], state[k, :n] + seen_noise[k]]))
+            q[k] = noise.measured(state[k, :n], k)
+            sensed.write(np.concatenate([inputs[k], q[k] if in_loop else state[k, :n]]))
             pd_law.step(t[k], dt)
             u[k] = output.read()
             drive.write(u[k] + drive_noise[k])
             robot.step(t[k], dt)
     gain = np.ones(n) if gain is None else np.asarray(gain, float)
     measured_u = u + (1.0 - in_loop) * noise.input[:N]
-    columns = {"q": state[:, :n] + noise.position[:N], "u": measured_u, "tau": gain * measured_u}
+    columns = {"q": q, "u": measured_u, "tau": gain * measured_u}
     truth = {"q_true": state[:, :n], "qd_true": state[:, n:], "tau_true": gain * (u + drive_noise[:N])}
     return pd.concat([_frame(columns, reference.index), reference, _frame(truth, reference.index)], axis=1)
 

@@ -19,6 +19,7 @@ from pipeline.records import FAILED, OK, Estimate, FilterRun
 from pipeline.settings import EkfCase
 from pipeline.signals.filters import cutoff_frequency
 from pipeline.signals.frames import joint_columns
+from pipeline.simulate.sensors import position_variance
 from pipeline.workflow.batch import Batch
 from pipeline.workflow.differentiating import JacobianChoice, choose_jacobian
 from pipeline.workflow.session import Session
@@ -153,7 +154,7 @@ def noise_levels(session: Session, frame: pd.DataFrame, sigma_rho: np.ndarray, c
         return Tuning(np.array(case.R), np.array(case.Q), input_noise=False)
     if tuning == "known":
         sigma_tau = np.array(simulation.sigma_u) * session.binding.gain
-        return Tuning(np.array(simulation.sigma_q) ** 2, sigma_tau**2, input_noise=True)
+        return Tuning(position_variance(simulation.sigma_q, simulation.quantum_q), sigma_tau**2, input_noise=True)
     settings, rate = session.recommended, session.rate
     q = frame[joint_columns("q", session.binding.n)].to_numpy()
     band, parallel = (cutoff_frequency(rate, f, settings.decimation) for f in (settings.position, settings.parallel))
