@@ -64,9 +64,9 @@ def _parser() -> argparse.ArgumentParser:
     build.add_argument("--output", metavar="FILE", help="the FMU of --model (default: <model_in_snake_case>.fmu here)")
     build.set_defaults(command=_build)
 
-    simulate = _experiment_command(commands, "simulate", "simulate the closed loop and write the measured frame as CSV")
+    simulate = _experiment_command(commands, "simulate", "simulate the closed loop and write the measured frame")
     simulate.add_argument("--validation", action="store_true", help="the validation trajectory instead")
-    simulate.add_argument("--output", metavar="FILE", help="write there (default: stdout)")
+    simulate.add_argument("--output", metavar="FILE", help="write there, .csv or .parquet (default: CSV on stdout)")
     simulate.set_defaults(command=_simulate)
 
     identify = _experiment_command(commands, "identify", "identify, and print the estimates without a report")
@@ -172,28 +172,19 @@ def _build_foreign(arguments: argparse.Namespace) -> list:
 
 
 def _simulate(arguments: argparse.Namespace) -> int:
-    from pipeline.workflow.acquire import acquire
+    from pipeline.simulate.writing import check_output, write_frame
+    from pipeline.workflow.acquire import acquire, frame_units
     from pipeline.workflow.building import prepare
 
+    check_output(arguments.output)
     session = _session(arguments)
     prepare(session, (arguments.validation,))
     frame = acquire(session, validation=arguments.validation)
     if arguments.json:
         print(json.dumps({"time": list(frame.index), **{c: list(frame[c]) for c in frame}}))
     else:
-        _write_csv(frame, arguments.output)
+        write_frame(frame, frame_units(session.binding), arguments.output or sys.stdout)
     return 0
-
-
-def _write_csv(frame, output: str | None) -> None:
-    try:
-        frame.to_csv(output or sys.stdout)
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        raise DataError(
-            f"{output or 'stdout'}: cannot be written ({error.strerror or error}); give another --output"
-        ) from error
 
 
 def _identify(arguments: argparse.Namespace) -> int:

@@ -64,8 +64,9 @@ class ControllerSettings(Settings):
 class SimulationSettings(Settings):
     """Where simulated data come from: the stored trajectories, the true parameters, the noise and the sampling.
 
-    sigma_q [rad or m], sigma_u [the plant input's unit]: one per joint; rate [Hz]; loop: "disturbed" (the noise acts
-    in the loop) or "clean" (it stands in the record only).
+    sigma_q [rad or m], sigma_u [the plant input's unit]: one per joint; quantum_q [rad or m]: the encoders' steps, to
+    which the noisy position is rounded (0, or none given: not); rate [Hz]; loop: "disturbed" (the noise acts in the
+    loop) or "clean" (it stands in the record only).
     """
 
     identification: str
@@ -74,6 +75,7 @@ class SimulationSettings(Settings):
     truth: dict[str, float]
     sigma_q: tuple[NotNegative, ...]
     sigma_u: tuple[NotNegative, ...]
+    quantum_q: tuple[NotNegative, ...] = ()
     loop: Literal["disturbed", "clean"] = "disturbed"
 
 
@@ -109,10 +111,13 @@ class ExcitationSettings(Settings):
 
 
 class Column(Settings):
-    """One column of a measured file: its name and unit there; value = scale · (converted) + offset [our unit]."""
+    """One column of a measured file: its name and unit there; value = scale · (converted) + offset [our unit].
+
+    The unit may be left to the file, where the column's heading is `name [unit]`.
+    """
 
     source: str
-    unit: str
+    unit: str = ""
     scale: float = 1.0
     offset: float = 0.0
 
@@ -120,15 +125,19 @@ class Column(Settings):
 class DataSettings(Settings):
     """Measured data: the files, the frame's columns (`time`, `q_1`, `u_1`, `qr_1`, `pulse_1` …) and the rate [Hz].
 
-    validation_columns come on top of `columns` in the validation file; `pulse_i` feeds the controller's extra inputs in
-    a re-simulation; `source` says where to get the files; `folder` is where they are, unless `--data` says otherwise.
+    A column that the file itself heads `q_1 [rad]` needs no entry in `columns`; validation_columns come on top of
+    them in the validation file; `pulse_i` feeds the controller's extra inputs in a re-simulation; delimiter and
+    decimal: of CSV files, where they cannot be found from the file; `source` says where to get the files; `folder` is
+    where they are, unless `--data` says otherwise.
     """
 
     identification: str
     validation: str
     rate: Positive
-    columns: dict[str, Column]
+    columns: dict[str, Column] = {}
     validation_columns: dict[str, Column] = {}
+    delimiter: Literal[",", ";", "\t", " "] | None = None
+    decimal: Literal[".", ","] | None = None
     source: str = ""
     folder: str = ""
 

@@ -54,7 +54,7 @@ def test_simulate_gives_json_and_csv(fmus):
     frame = json.loads(result.stdout)
     assert len(frame["time"]) == len(frame["q_1"]) > 2000
     table = fmuid("simulate", "scara").stdout.splitlines()
-    assert table[0].startswith("time,q_1,") and len(table) == len(frame["time"]) + 1
+    assert table[0].startswith("time [s],q_1 [rad],") and len(table) == len(frame["time"]) + 1
     other = fmuid("simulate", "scara", "--seed", "2").stdout.splitlines()
     assert other != table
 

@@ -5,17 +5,16 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
 from pipeline.errors import ConfigError, DataError
 from pipeline.records import Trajectory
+from pipeline.simulate.headings import split_heading
 from pipeline.simulate.tables import Table, read_table
 from pipeline.units import conversion
-
-HEADING = re.compile(r"(.+?)\s*\[(.+)\]")
 
 # Quintic Hermite base: a row per given value, slope, curvature at s = 0 and s = 1; a column per power of s.
 HERMITE = np.array(
@@ -173,11 +172,11 @@ def _check_limit(name: str, values: np.ndarray, limit: np.ndarray, t: np.ndarray
 def _split_headings(table: Table) -> tuple[Table, dict[str, str]]:
     columns, units = {}, {}
     for heading, cells in table.columns.items():
-        match = HEADING.fullmatch(heading)
-        if not match:
+        name, unit = split_heading(heading)
+        if not unit:
             raise DataError(f"{table.path}: column `{heading}`, row 1: no unit; write `{heading} [unit]`")
-        columns[match[1]], units[match[1]] = cells, match[2]
-    return Table(table.path, columns, table.first_row), units
+        columns[name], units[name] = cells, unit
+    return replace(table, columns=columns), units
 
 
 def _column(table: Table, units: dict[str, str], name: str, unit: str) -> np.ndarray:

@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 
 from pipeline.errors import DataError
+from pipeline.plant.binding import Binding
 from pipeline.settings import Column
 from pipeline.signals.cutoffs import check_border
 from pipeline.simulate.closed_loop import LoopPorts, simulate_closed_loop
-from pipeline.simulate.measured import ColumnSettings, read_measured, with_force
+from pipeline.simulate.measured import FRAME_COLUMN, ColumnSettings, read_measured, with_force
 from pipeline.simulate.sensors import draw_noise
 from pipeline.simulate.trajectory import read_waypoints, reference_frame, sample
 from pipeline.workflow.session import Session
@@ -33,8 +34,8 @@ def simulate(session: Session, validation: bool = False, noisy: bool = True) -> 
     check_borders(session, len(reference))
     scale = 1.0 if noisy else 0.0
     rng = np.random.default_rng([session.experiment.seed, int(validation)])
-    sigma_q, sigma_u = (scale * np.array(s) for s in (settings.sigma_q, settings.sigma_u))
-    noise = draw_noise(rng, len(reference), sigma_q, sigma_u, settings.loop)
+    sigma_q, sigma_u, quantum = (scale * np.array(s) for s in (settings.sigma_q, settings.sigma_u, settings.quantum_q))
+    noise = draw_noise(rng, len(reference), sigma_q, sigma_u, settings.loop, quantum)
     return run_loop(session, reference, session.truth, noise)
 
 
@@ -93,8 +94,13 @@ def read(session: Session, validation: bool = False) -> pd.DataFrame:
     data, path = session.experiment.data, data_files(session)[validation]
     check_file(session, path)
     columns = {**data.columns, **(data.validation_columns if validation else {})}
-    mapped = {name: _mapped(session, name, column) for name, column in columns.items()}
-    frame = with_force(read_measured(path, mapped, data.rate, MIN_SAMPLES), session.binding.gain)
+    units = frame_units(session.binding)
+    mapped = {name: _mapped(session, name, column, units) for name, column in columns.items()}
+    offered = {name: unit for name, unit in units.items() if name == "time" or FRAME_COLUMN.fullmatch(name)}
+    frame = read_measured(
+        path, mapped, data.rate, MIN_SAMPLES, units=offered, delimiter=data.delimiter, decimal=data.decimal
+    )
+    frame = with_force(frame, session.binding.gain)
     check_borders(session, len(frame))
     return frame
 
@@ -135,14 +141,20 @@ def _waypoints(session: Session) -> tuple[Path, Path]:
     return session.folder / simulation.identification, session.folder / simulation.validation
 
 
-def _mapped(session: Session, name: str, column: Column) -> ColumnSettings:
+def frame_units(binding: Binding) -> dict[str, str]:
+    """The unit of each column that a measured frame may have, `time` among them."""
+    units = {"time": "s"}
+    for i, joint in enumerate(binding.joint, start=1):
+        units |= {f"{name}_{i}": joint.position_unit for name in ("q", "qr", "q_true")}
+        units |= {f"{name}_{i}": joint.velocity_unit for name in ("qd", "qdr", "qd_true")}
+        units |= {f"{name}_{i}": joint.input_unit for name in ("u", "pulse")}
+        units |= {f"{name}_{i}": joint.force_unit for name in ("tau", "tau_true")}
+    return units
+
+
+def _mapped(session: Session, name: str, column: Column, units: dict[str, str]) -> ColumnSettings:
     """The column with the unit it is converted to: the binding's, by what the column is."""
-    if name == "time":
-        return ColumnSettings(column.source, column.unit, "s", column.scale, column.offset)
-    quantity, _, joint = name.rpartition("_")
-    if not joint.isdigit() or not 1 <= int(joint) <= session.binding.n:
+    joint = name.rpartition("_")[2]
+    if name != "time" and (not joint.isdigit() or not 1 <= int(joint) <= session.binding.n):
         raise DataError(f"data column `{name}`: the plant has joints 1 to {session.binding.n}; name one of them")
-    bound = session.binding.joint[int(joint) - 1]
-    units = {"q": bound.position_unit, "qr": bound.position_unit, "qdr": bound.velocity_unit}
-    unit = units.get(quantity, bound.force_unit if quantity == "tau" else bound.input_unit)
-    return ColumnSettings(column.source, column.unit, unit, column.scale, column.offset)
+    return ColumnSettings(column.source, column.unit, units.get(name, ""), column.scale, column.offset)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from os.path import splitext
 from pathlib import Path
 from time import process_time
@@ -19,6 +20,7 @@ from pipeline.paths import BINDINGS, MODELICA, built_fmu
 from pipeline.plant.binding import Binding, load_binding, variants_of_bindings
 from pipeline.settings import Experiment, WlsSettings
 from pipeline.signals.cutoffs import check_cutoffs, follows_loop
+from pipeline.simulate.sensors import position_variance
 
 
 @dataclass(frozen=True)
@@ -134,9 +136,9 @@ def _check_sizes(session: Session) -> None:
         sized += [(f"controller.{key}", getattr(c, key), n) for key in optional if getattr(c, key)]
     if e.simulation is not None:
         sized += [("simulation.sigma_q", e.simulation.sigma_q, n), ("simulation.sigma_u", e.simulation.sigma_u, n)]
-        wrong = set(session.binding.names) ^ set(e.simulation.truth)
-        if wrong:
-            raise ConfigError(f"{e.name}: simulation.truth and the binding's parameters differ in {sorted(wrong)}")
+        if e.simulation.quantum_q:
+            sized.append(("simulation.quantum_q", e.simulation.quantum_q, n))
+        _check_truth(session)
     if e.excitation is not None:
         sized += [(f"excitation.{key}", getattr(e.excitation, key), n) for key in ("q", "qd", "qdd", "tau")]
         if e.excitation.sigma_tau:
@@ -158,3 +160,26 @@ def _check_sizes(session: Session) -> None:
     for key, value, size in sized:
         if len(value) != size:
             raise ConfigError(f"{e.name}: {key} has {len(value)} entries, the plant asks for {size}; give {size}")
+    _check_known_noise(e)
+
+
+def _check_truth(session: Session) -> None:
+    """The true parameters are the binding's, one by one."""
+    truth, names = session.experiment.simulation.truth, session.binding.names
+    for name in sorted(set(truth) - set(names)):
+        near = get_close_matches(name, names, n=1, cutoff=0.0)[0]
+        raise ConfigError(f"{session.experiment.name}: simulation.truth: no parameter `{name}`; nearest: `{near}`")
+    for name in sorted(set(names) - set(truth)):
+        raise ConfigError(f"{session.experiment.name}: simulation.truth lacks `{name}`; give its value")
+
+
+def _check_known_noise(e: Experiment) -> None:
+    """The tuning `known` takes R from the sensors: one that measures exactly would make it 0."""
+    if not any("known" in case.tunings for case in (e.ekf.case if e.ekf else ())):
+        return
+    exact = np.flatnonzero(position_variance(e.simulation.sigma_q, e.simulation.quantum_q) == 0.0)
+    if exact.size:
+        raise ConfigError(
+            f"{e.name}: the tuning `known` needs noise on every position, joint {exact[0] + 1} has none; set "
+            "simulation.sigma_q or quantum_q above 0, or leave out `known`"
+        )
