@@ -9,6 +9,7 @@ from pipeline.simulate.writing import write_frame
 from pipeline.workflow.acquire import acquire, frame_units, simulate
 from pipeline.workflow.batch import open_inverse_model, run_variant
 from pipeline.workflow.filtering import run_case
+from pipeline.workflow.loop import follow_loop
 from pipeline.workflow.run import identify
 from pipeline.workflow.session import open_session
 
@@ -64,14 +65,16 @@ def test_an_encoder_acts_where_the_sensor_is(fmus, loop):
 
 @pytest.mark.parametrize(("seed", "loop"), [(1, "disturbed"), (2, "disturbed"), (3, "clean")])
 def test_wls_and_the_filter_find_the_truth_through_an_encoder(fmus, seed, loop):
-    """Nothing but the encoder disturbs the position; sigma as computed, before the page may withhold it."""
-    session = open_session("scara", [*ENCODERS, f"seed={seed}", f"simulation.loop={loop}"])
+    """With noise of about its step: by an encoder alone the error is coloured, and the page withholds WLS's sigma."""
+    noise = ["simulation.sigma_q=[5e-4, 5e-4]", f"seed={seed}", f"simulation.loop={loop}"]
+    session = open_session("scara", [ENCODERS[0], *noise])
     case = next(c for c in session.experiment.ekf.case if c.wls_factor and c.method is None)
     frame = acquire(session)
+    session, _ = follow_loop(session, frame)
     with open_inverse_model(session, frame) as model:
         best = run_variant(session, frame, model, session.recommended)
     found = run_case(session, frame, best, case, "known")
-    np.testing.assert_allclose(found.settings["R"], STEP**2 / 12)
+    np.testing.assert_allclose(found.settings["R"], 5e-4**2 + STEP**2 / 12)
     for estimate in (best.estimate, found.estimate):
         assert np.all(np.abs(estimate.theta - session.truth) < 4 * estimate.sigma), estimate.name
 
