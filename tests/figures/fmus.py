@@ -1,24 +1,23 @@
-"""The figures of the exported FMUs: validation, accuracy against SciPy's Radau, replay of the FMU state."""
+"""The figures of the exported FMUs: accuracy against SciPy's Radau, replay of the FMU state."""
 
 from __future__ import annotations
 
 import numpy as np
-from fmpy.validation import validate_fmu
 
 from pipeline.export.build import build
 from pipeline.paths import FMUS
 from pipeline.plant.binding import gains_of_bindings, variants_of_bindings
 from tests.export.driver import Archive
 from tests.export.oracles import march
-from tests.export.test_fmus import NAMES, PLANTS, H, by_model_exchange, commands, drive
+from tests.export.test_fmus import PLANTS, H, by_model_exchange, commands, drive
+from tests.figures import versions
 from tests.figures.figure import Figure, at_most, yes
 
 
 def measure() -> list[Figure]:
     """Every figure of the FMUs."""
     build(None, FMUS, gains_of_bindings(), variants=variants_of_bindings())
-    silent = [name for name in NAMES if not validate_fmu(str(FMUS / f"{name}.fmu"))]
-    rows = [yes("fmpy validation silent", silent == NAMES, f"{len(silent)} of {len(NAMES)}", "every FMU")]
+    rows = versions.measure()
     for name in PLANTS:
         archive = Archive(FMUS / f"{name}.fmu")
         try:
