@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ceil
+
 from msgspec.structs import replace
 
 from pipeline.errors import ConfigError
@@ -10,8 +12,6 @@ from pipeline.signals.filters import cutoff_frequency
 
 POSITION, PARALLEL = 5.0, 2.0
 """Cut-offs of the position filter and of the parallel filter, in multiples of f_dyn (Gautier & Poignet 2001, 5.1)."""
-MARGIN = 1.15
-"""Least ratio of the decimated Nyquist frequency to a cut-off: there 4th-order zero-phase has fallen to a quarter."""
 DIGITS = 3
 """Significant digits of a cut-off that follows the loop: who sets the printed number gets the same filter."""
 
@@ -92,5 +92,6 @@ def _filled(settings: Filter, factor: float, f_dyn: float | None) -> Filter:
 
 
 def _largest(parallel: Filter, rate: float) -> int:
+    """The largest decimation whose Nyquist frequency is above the cut-off: rows then are as independent as can be."""
     cutoff = _cutoff(parallel)
-    return 1 if cutoff is None else max(1, int(0.5 * rate / (MARGIN * cutoff)))
+    return 1 if cutoff is None else max(1, ceil(0.5 * rate / cutoff) - 1)

@@ -23,9 +23,8 @@ CONFIGURATIONS = 9
 class LoopStage:
     """The loop at each configuration (plants and responses side by side), f_dyn in Hz, and each variant's numbers.
 
-    f_dyn is the bandwidth of the fastest joint at the middle of the configurations: the fastest pose of all is one that
-    the motion hardly visits. Where there is no loop to analyse, `reason` says why and f_dyn is None. filters: by WLS
-    variant the value and the source of both cut-offs and of the decimation.
+    f_dyn is the largest bandwidth of a joint at any of the configurations. Where there is no loop to analyse, `reason`
+    says why and f_dyn is None. filters: by WLS variant the value and the source of both cut-offs and of the decimation.
     """
 
     plants: tuple[LinearPlant, ...]
@@ -44,7 +43,7 @@ def follow_loop(session: Session, frame: pd.DataFrame) -> tuple[Session, LoopSta
     plants, responses, f_dyn, reason = (), (), None, ""
     try:
         plants, responses = analyse_loop(session, frame)
-        f_dyn = float(np.median([r.bandwidth.max() for r in responses]))
+        f_dyn = max(float(r.bandwidth.max()) for r in responses)
     except FmuidError as error:
         reason = str(error)
         needy = [w.name for w in variants if follows_loop(w)]
