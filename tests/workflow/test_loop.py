@@ -148,7 +148,7 @@ def test_without_a_controller_the_cutoffs_must_be_set(fmus, tmp_path):
     chosen = ["wls.WLS.position.cutoff=100.0", "wls.WLS.parallel.cutoff=40.0"]
     found, loop = follow_loop(open_session(str(path), chosen), pd.DataFrame({"q_1": np.zeros(10)}))
     assert "no [controller]" in loop.reason
-    assert found.recommended.decimation == 10
+    assert found.recommended.decimation == 12
 
 
 def test_positions_come_from_the_reference_and_spread_over_it():
