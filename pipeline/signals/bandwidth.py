@@ -21,6 +21,7 @@ HANKEL_TOLERANCE = 1e-9
 """Singular values of the Hankel matrix below this fraction of the largest are rounding."""
 REALISED = 1e-6
 STABLE = 1.0 - 1e-9
+TINY = 1e-300  # a loop that is open has a logarithm too
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,7 @@ def _broken(plant: control.StateSpace, controller: control.StateSpace, f: np.nda
 
 def _margins(L: np.ndarray, f: np.ndarray) -> Margins:
     """Margins of a loop's response L (F,), log|L| and the phase interpolated between the points of the grid."""
-    gain, phase, x = np.log(np.abs(L)), np.unwrap(np.angle(L)), np.log(f)
+    gain, phase, x = np.log(np.maximum(np.abs(L), TINY)), np.unwrap(np.angle(L)), np.log(f)
     past = np.remainder(phase, 2.0 * np.pi) - np.pi  # 0 on the negative real axis
     at_phase = _crossings(x, np.where(np.abs(past) < 0.5 * np.pi, past, np.nan))
     at_gain = _crossings(x, gain)

@@ -28,6 +28,11 @@ def resolve(settings: WlsSettings, rate: float, f_dyn: float | None = None) -> W
     """
     if f_dyn is None and follows_loop(settings):
         raise ConfigError(f"{settings.name}: a filter without a cut-off needs [controller] to take it from; set it")
+    if _open(settings.position) and POSITION * f_dyn >= 0.5 * rate:
+        raise ConfigError(
+            f"{settings.name}: {POSITION:g} f_dyn = {POSITION * f_dyn:.3g} Hz, from the closed loop, is not below "
+            f"Nyquist, {0.5 * rate:g} Hz; record faster or set the position filter's cut-off"
+        )
     position = _filled(settings.position, POSITION, f_dyn)
     parallel = _filled(settings.parallel, PARALLEL, f_dyn)
     decimation = settings.decimation or _largest(parallel, rate)

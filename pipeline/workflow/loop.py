@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,6 +61,7 @@ def analyse_loop(session: Session, frame: pd.DataFrame) -> tuple[tuple[LinearPla
     controller, binding = session.experiment.controller, session.binding
     if controller is None:
         raise ConfigError("the experiment has no [controller], so no loop to analyse")
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # comes along; nobody here needs to know where it caches
     from pipeline.signals.bandwidth import analyse, realise, sampled_plant  # python-control: 0.3 s
 
     positions = spread(motion(frame, binding.n), CONFIGURATIONS)

@@ -53,7 +53,7 @@ def test_the_decimated_nyquist_stays_above_the_parallel_cutoff_and_no_larger_ste
     ("settings", "f_dyn", "message"),
     [
         (OPEN, None, "without a cut-off"),
-        (OPEN, 10.0, "the position filter's cut-off 50 Hz is not below Nyquist, 50 Hz"),
+        (OPEN, 10.0, "WLS: 5 f_dyn = 50 Hz, from the closed loop, is not below Nyquist, 50 Hz; record faster or set"),
         (WlsSettings("WLS", Filter("zero-phase", 60.0), Filter("zero-phase", 4.0)), None, "cut-off 60 Hz is not below"),
         (
             WlsSettings("WLS", Filter("zero-phase", 15.0), Filter("zero-phase", 4.0), 13),

@@ -119,7 +119,9 @@ def test_a_record_too_slow_for_the_loop_is_refused(scara):
     simulation = structs.replace(scara.experiment.simulation, rate=10.0)
     wls = tuple(w for w in scara.experiment.wls if w.name == "WLS(3)")
     experiment = structs.replace(scara.experiment, simulation=simulation, wls=wls)
-    with pytest.raises(ConfigError, match=r"WLS\(3\): the position filter's cut-off .* is not below Nyquist, 5 Hz"):
+    with pytest.raises(
+        ConfigError, match=r"WLS\(3\): 5 f_dyn = 1\d\.?\d* Hz, from the closed loop, is not below Nyquist, 5"
+    ):
         follow_loop(type(scara)(experiment, scara.binding, scara.folder), reference_of(scara))
 
 
