@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import math
 import re
 import tomllib
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+from msgspec import inspect
 
 from pipeline.errors import ConfigError
 from pipeline.paths import EXPERIMENTS
@@ -131,37 +133,55 @@ def _refuse_non_finite(value: Any, where: str, key: str = "") -> None:
 
 
 def _explain(message: str, kind: type[Settings]) -> str:
-    unknown = re.search(r"unknown field `(.*?)`", message)
-    if unknown is None:
-        return message.replace(" - at `$.", " at `")
-    near = get_close_matches(unknown[1], _field_names(kind), n=1, cutoff=0.6)
-    place = re.search(r"at `\$\.(.*)`", message)
-    hint = f"; did you mean `{near[0]}`?" if near else "; remove it"
-    return f"unknown key `{unknown[1]}`{f' in `{place[1]}`' if place else ''}{hint}"
+    """msgspec's message, with what would be right there."""
+    place = re.search(r"at `\$(.*?)`$", message)
+    path = place[1].lstrip(".") if place else ""
+    nodes = _nodes_at(kind, path)
+    if unknown := re.search(r"unknown field `(.*?)`", message):
+        keys = _keys(nodes)
+        near = get_close_matches(unknown[1], keys, n=1, cutoff=0.6)
+        near = near or get_close_matches(unknown[1], _keys(nodes, deep=True), n=1, cutoff=0.6)
+        hint = f"did you mean `{near[0]}`?" if near else f"known are {', '.join(keys)}"
+        return f"unknown key `{unknown[1]}`{f' in `{path}`' if path else ''}; {hint}"
+    if missing := re.search(r"missing required field `(.*?)`", message):
+        return (
+            f"`{path}` is missing required field `{missing[1]}`" if path else f"missing required field `{missing[1]}`"
+        )
+    words = message.replace("`array`", "list").replace("`object`", "table").replace(" - at `$.", " at `")
+    allowed = [
+        json.dumps(v) for node in nodes if isinstance(node, inspect.LiteralType | inspect.EnumType) for v in node.values
+    ]
+    return f"{words}; give one of {', '.join(allowed)}" if allowed else words
 
 
-def _field_names(kind: Any, seen: set | None = None) -> set[str]:
-    """Every key known anywhere below `kind`."""
-    seen = set() if seen is None else seen
-    info = msgspec.inspect.multi_type_info([kind])[0]
-    names: set[str] = set()
+def _nodes_at(kind: type[Settings], path: str) -> list[inspect.Type]:
+    """The types that may stand at a path such as `ekf.case[0].method`; alternatives side by side."""
+    nodes = _alternatives(inspect.type_info(kind))
+    for name, _ in re.findall(r"([^.\[\]]+)(?![^\[]*\])|(\[[^\]]*\])", path):
+        nodes = [part for node in nodes for child in _children(node, name) for part in _alternatives(child)]
+    return nodes
 
-    def walk(node: Any) -> None:
-        if isinstance(node, msgspec.inspect.StructType):
-            if node.cls in seen:
-                return
-            seen.add(node.cls)
-            for item in node.fields:
-                names.add(item.encode_name)
-                walk(item.type)
-        for attribute in ("item_type", "value_type"):
-            if hasattr(node, attribute):
-                walk(getattr(node, attribute))
-        for part in getattr(node, "types", ()) or getattr(node, "item_types", ()):
-            walk(part)
 
-    walk(info)
-    return names
+def _alternatives(node: inspect.Type) -> list[inspect.Type]:
+    return list(node.types) if isinstance(node, inspect.UnionType) else [node]
+
+
+def _children(node: inspect.Type, name: str) -> list[inspect.Type]:
+    """The types below a type: of the field `name`, or of the items of a list or table where it is ""."""
+    if isinstance(node, inspect.StructType):
+        return [field.type for field in node.fields if name in ("*", field.encode_name)]
+    items = [getattr(node, key) for key in ("item_type", "value_type") if hasattr(node, key)]
+    return [*items, *getattr(node, "item_types", ())] if name in ("", "*") else []
+
+
+def _keys(nodes: Sequence[inspect.Type], deep: bool = False) -> list[str]:
+    """The keys known at these types; deep: and everywhere below."""
+    names: dict[str, None] = {}
+    while nodes:
+        names |= {f.encode_name: None for node in nodes if isinstance(node, inspect.StructType) for f in node.fields}
+        children = [part for node in nodes for child in _children(node, "*") for part in _alternatives(child)]
+        nodes = children if deep else []
+    return list(names)
 
 
 def _check(experiment: Experiment, where: str) -> None:

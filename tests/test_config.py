@@ -35,12 +35,22 @@ def test_an_override_reaches_its_place():
         ("ekf.substep=8", "unknown key `substep` in `ekf`; did you mean `substeps`?"),
         ("ekf.substeps=0", "Expected `int` >= 1 at `ekf.substeps`"),
         ("ekf.substeps=eight", "Expected `int`, got `str` at `ekf.substeps`"),
-        ("ekf.method=heun", "Invalid enum value 'heun'"),
+        ("ekf.method=heun", 'Invalid enum value \'heun\' at `ekf.method`; give one of "euler", "rk4"'),
+        ("ekf.case.0.tunings=['best']", "at `ekf.case[0].tunings[0]`; give one of"),
+        ("fmi=3", 'Expected `str`, got `int` at `fmi`; give one of "2", "3"'),
+        ("wls.WLS(3).position.knd='none'", "unknown key `knd` in `wls[2].position`; did you mean `kind`?"),
+        ("ekf.case.0.chi=[1.0]", "unknown key `chi` in `ekf.case[0]`; did you mean `chi0`?"),
+        ("reference.tables.0.titel='x'", "unknown key `titel` in `reference.tables[0]`; did you mean `title`?"),
+        ("controler.period=1.0", "unknown key `controler`; did you mean `controller`?"),
+        ("closed_loop.xyz=1", "unknown key `xyz` in `closed_loop`; known are estimate, border"),
+        ("simulation.truth.ZZR9=1.0", "simulation.truth: no parameter `ZZR9`; nearest: `ZZR1`"),
+        ("controller.start.k=stiff", "Expected `float`, got `str` at `controller.start[...]`"),
+        ("simulation.sigma_q=0.1", "Expected list, got `float` at `simulation.sigma_q`"),
         ("wls.WLS(4).decimation=5", "nothing is called `WLS(4)` there"),
         ("seed", "want key=value"),
         ("seed=-3", "Expected `int` >= 0 at `seed`"),
         ("recommended=WLS(9)", "recommended `WLS(9)` is none of the WLS variants"),
-        ("data.folder='x'", "missing required field"),
+        ("data.folder='x'", "`data` is missing required field `identification`"),
         ("simulation.sigma_q=[0.001]", "simulation.sigma_q has 1 entries, the plant asks for 2"),
         ("simulation.sigma_q=[0.001, -1]", ">= 0"),
         ("ekf.case.EKF(2).chi0=[1.0]", "EKF(2): chi0 has 1 entries, the plant asks for 8"),
@@ -148,3 +158,21 @@ def test_the_fmi_version_chooses_among_our_fmus_alone(tmp_path):
     (tmp_path / "mine.toml").write_text((BINDINGS / "scara.toml").read_text())
     theirs = [f"plant='{tmp_path / 'mine.toml'}'", "controller.fmu='vendor.fmu'"]
     assert files("scara", "fmi='3'", *theirs) == ["scara.fmu", "vendor.fmu"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("u_range = 16.0", "u_rang = 16.0"), "mine.toml: unknown key `u_rang` in `joint[0]`; did you mean `u_range`?"),
+        (("a_priori = 0.07", "apriori = 0.07"), "unknown key `apriori` in `parameter[1]`; did you mean `a_priori`?"),
+        (("[probe]", "[prob]"), "unknown key `prob`; did you mean `probe`?"),
+        (("eps = 1e-9", 'eps = "small"'), "Expected `float`, got `str` at `probe[...]`"),
+    ],
+)
+def test_a_key_of_a_binding_is_refused_with_the_nearest(tmp_path, change, message):
+    text = (BINDINGS / "scara.toml").read_text()
+    assert change[0] in text
+    (tmp_path / "mine.toml").write_text(text.replace(*change))
+    with pytest.raises(ConfigError) as error:
+        load_binding(str(tmp_path / "mine.toml"))
+    assert message in str(error.value) and "\n" not in str(error.value)
