@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +11,7 @@ from pathlib import Path
 from pipeline import __version__
 from pipeline.export.catalogue import Recipe
 from pipeline.export.compiler import platform
+from pipeline.files import replacing
 
 HERE = Path(__file__).resolve().parent
 WRAPPER = HERE / "wrapper"
@@ -63,9 +63,5 @@ def read_record(path: Path) -> dict[str, dict]:
 def write_record(path: Path, record: Mapping[str, dict]) -> None:
     """Write the record beside the FMUs, in one step."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(f"{path.name}.{os.getpid()}")
-    try:
+    with replacing(path) as fresh:
         fresh.write_text(json.dumps(record, indent=2, sort_keys=True) + "\n")
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)

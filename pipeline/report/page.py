@@ -24,7 +24,7 @@ PAGE = "index.html"
 def write_page(folder: Path | str) -> Path:
     """Make `index.html` in a run's folder from its record and signals. Raises DataError (see record.read_run)."""
     path = Path(folder) / PAGE
-    write_text(path, page(*read_run(folder)))
+    write_text(path, page(*read_run(folder)), f"make room, then `fmuid report {folder}` remakes it")
     return path
 
 

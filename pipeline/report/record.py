@@ -6,19 +6,20 @@ Schema: reports/README.md.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
 import re
 import shutil
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from pipeline.errors import DataError
+from pipeline.files import replacing, sync
 
 SCHEMA = 1
 RESULT = "result.json"
@@ -39,10 +40,10 @@ def write_run(folder: Path | str, record: Mapping, signals: Mapping[str, pd.Data
     for stem in signals:
         if not _STEM.fullmatch(stem):
             raise DataError(f"signal table {stem!r}: not a file name; use lower case letters, digits, - and _")
-    text = json.dumps(plain({"schema": SCHEMA, **record, "signals": sorted(signals)}), indent=1, allow_nan=False)
+    stored = plain({"schema": SCHEMA, **record, "signals": sorted(signals)})
     fresh = folder.parent / f".{folder.name}.{os.getpid()}.new"
     try:
-        _fill(fresh, text, signals)
+        _fill(fresh, stored, signals)
         _swap(fresh, folder)
     except OSError as error:
         raise DataError(
@@ -69,7 +70,8 @@ def read_run(folder: Path | str) -> tuple[dict, dict[str, pd.DataFrame]]:
     stems |= dict.fromkeys(
         Path(e["signals"]).stem for e in record["estimates"].values() if isinstance(e, dict) and e.get("signals")
     )
-    return record, {stem: _read_table(folder, stem) for stem in stems}
+    hashes = record.get("signals_sha256") or {}
+    return record, {stem: _read_table(folder, stem, hashes.get(stem)) for stem in stems}
 
 
 def plain(value: object, place: str = "record") -> object:
@@ -91,28 +93,28 @@ def plain(value: object, place: str = "record") -> object:
     raise DataError(f"{place}: {type(value).__name__} has no place in a run record; give a number, text or list")
 
 
-def write_text(path: Path, text: str) -> None:
+def write_text(path: Path, text: str, remedy: str = "make room first") -> None:
     """Replace a text file in one step. Raises DataError when that fails; the old file then still stands."""
-    fresh = path.with_name(f".{path.name}.{os.getpid()}.new")
     try:
-        _write_bytes(fresh, text.encode())
-        fresh.replace(path)
+        with replacing(path) as fresh:
+            fresh.write_bytes(text.encode())
     except OSError as error:
-        raise DataError(f"file {path}: {error.strerror or error}; nothing was changed, make room first") from error
-    finally:
-        with suppress(OSError):
-            fresh.unlink(missing_ok=True)
+        raise DataError(f"file {path}: {error.strerror or error}; nothing was changed, {remedy}") from error
 
 
-def _fill(fresh: Path, text: str, signals: Mapping[str, pd.DataFrame]) -> None:
+def _fill(fresh: Path, record: dict, signals: Mapping[str, pd.DataFrame]) -> None:
+    """Write the tables, then the record with their SHA-256."""
     shutil.rmtree(fresh, ignore_errors=True)
     fresh.mkdir(parents=True)
+    hashes = {}
     for stem, table in signals.items():
         path = fresh / f"{stem}.parquet"
         table.to_parquet(path)
-        _sync(path)
+        sync(path)
+        hashes[stem] = _digest(path)
+    text = json.dumps({**record, "signals_sha256": hashes}, indent=1, allow_nan=False)
     _write_bytes(fresh / RESULT, text.encode())
-    _sync(fresh)
+    sync(fresh)
 
 
 def _swap(fresh: Path, folder: Path) -> None:
@@ -128,7 +130,7 @@ def _swap(fresh: Path, folder: Path) -> None:
             old.rename(folder)
             raise
         shutil.rmtree(old, ignore_errors=True)
-    _sync(folder.parent)
+    sync(folder.parent)
 
 
 def _write_bytes(path: Path, data: bytes) -> None:
@@ -136,15 +138,6 @@ def _write_bytes(path: Path, data: bytes) -> None:
         file.write(data)
         file.flush()
         os.fsync(file.fileno())
-
-
-def _sync(path: Path) -> None:
-    """Flush a file or folder to the disk, so that the rename never overtakes the data."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def _read_record(path: Path) -> dict:
@@ -164,16 +157,25 @@ def _read_record(path: Path) -> dict:
     return record
 
 
-def _read_table(folder: Path, stem: str) -> pd.DataFrame:
+def _read_table(folder: Path, stem: str, sha256: str | None) -> pd.DataFrame:
+    """A signal table; DataError where it is missing, or is not the one that was written with the record."""
     path = folder / f"{stem}.parquet"
     if not _STEM.fullmatch(stem):
         raise DataError(f"run record {folder / RESULT}: signal table {stem!r} is not a file name; run it again")
     if not path.is_file():
         raise DataError(f"signal table {path}: not found; the run folder is incomplete, run the experiment again")
     try:
+        if sha256 is not None and _digest(path) != sha256:
+            raise DataError(f"signal table {path}: not what the run wrote (another SHA-256); run it again")
         return pd.read_parquet(path)
+    except DataError:
+        raise
     except (OSError, ValueError) as error:  # pyarrow's ArrowInvalid is a ValueError
         raise DataError(f"signal table {path}: cannot be read ({_one_line(error)}); run it again") from error
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _one_line(error: Exception) -> str:

@@ -3,6 +3,8 @@
 import errno
 import json
 import math
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -130,7 +132,7 @@ def corrupt(run: Path, name: str, text: str) -> None:
         ("result.json", "[]", r"result\.json: schema None, this version reads 1"),
         ("result.json", '{"schema": 99}', r"result\.json: schema 99, this version reads 1; run the experiment again"),
         ("result.json", '{"schema": 1, "run_id": "r"}', r"result\.json: `experiment` is missing"),
-        ("identification.parquet", "not parquet", r"identification\.parquet: cannot be read"),
+        ("identification.parquet", "not parquet", r"identification\.parquet: not what the run wrote"),
     ],
 )
 def test_a_broken_file_is_named_in_one_line(run, name, text, message):
@@ -157,3 +159,39 @@ def test_a_record_cannot_point_outside_its_folder(run):
     corrupt(run, "result.json", json.dumps(record))
     with pytest.raises(DataError, match="not a file name"):
         read_run(run)
+
+
+def test_a_signal_table_that_was_changed_is_refused_though_it_can_be_read(run):
+    pd.read_parquet(run / "identification.parquet").mul(2.0).to_parquet(run / "identification.parquet")
+    with pytest.raises(DataError, match=r"identification\.parquet: not what the run wrote \(another SHA-256\)"):
+        read_run(run)
+
+
+def test_a_record_from_before_hashes_is_read(run):
+    record = json.loads((run / "result.json").read_text())
+    assert record.pop("signals_sha256").keys() == set(record["signals"])
+    (run / "result.json").write_text(json.dumps(record))
+    pd.read_parquet(run / "identification.parquet").mul(2.0).to_parquet(run / "identification.parquet")
+    assert "identification" in read_run(run)[1]
+
+
+FULL = """
+import resource, signal, sys
+from pipeline.errors import DataError
+from pipeline.report.page import write_page
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (10000, 10000))
+try:
+    write_page(sys.argv[1])
+except DataError as error:
+    print(error)
+"""
+
+
+def test_a_disk_that_fills_at_the_page_leaves_the_run_whole(run):
+    """A limit on the size of files stands in for a full disk."""
+    before = sorted(p.name for p in run.iterdir())
+    result = subprocess.run([sys.executable, "-c", FULL, str(run)], capture_output=True, text=True)
+    assert f"nothing was changed, make room, then `fmuid report {run}` remakes it" in result.stdout, result.stderr
+    assert sorted(p.name for p in run.iterdir()) == before
+    read_run(run)
