@@ -8,23 +8,19 @@ import os
 import signal
 import sys
 
-from pipeline import __version__
+from pipeline.arguments import parser
 from pipeline.errors import ConfigError, DataError, FmuidError
-
-EXIT_CODES = (
-    "exit codes: 0 pass, 1 a limit of the verdict is violated, 2 usage, configuration or data, "
-    "3 FMU or simulation, 4 identification"
-)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run `fmuid`; returns the exit code. Every error a user can meet is one line on stderr."""
     for threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(threads, "1")  # the matrices are small: threads only spin, and spoil CPU times
-    arguments = _parser().parse_args(argv)
+    arguments = parser().parse_args(argv)
+    command = _plan if vars(arguments).get("dry_run") else COMMANDS[arguments.command]
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that every folder is removed on the way out
     try:
-        code = arguments.command(arguments)
+        code = command(arguments)
         if sys.stdout is not None:
             sys.stdout.flush()
         return code
@@ -43,75 +39,6 @@ def main(argv: list[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 2
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="fmuid",
-        description="Identify a robot's parameters by weighted least squares and by an EKF that calls the plant FMU.",
-        epilog=EXIT_CODES,
-    )
-    parser.add_argument("--version", action="version", version=f"fmuid {__version__}")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-
-    build = commands.add_parser("build", help="export the FMUs from the Modelica sources", epilog=EXIT_CODES)
-    build.add_argument("names", nargs="*", metavar="NAME", help="FMUs to build, for example scara (default: all)")
-    build.add_argument("--fmi", choices=("2", "3", "both"), default="both", help="FMI version (default: both)")
-    build.add_argument("--force", action="store_true", help="build even what is up to date")
-    build.add_argument("--json", action="store_true", help="print the result as JSON")
-    build.add_argument("--modelica", metavar="DIR", help="other sources: the folder of a package, or a .mo file")
-    build.add_argument("--model", metavar="PKG.MODEL", help="the one class to export, by its full name")
-    build.add_argument("--output", metavar="FILE", help="the FMU of --model (default: <model_in_snake_case>.fmu here)")
-    build.set_defaults(command=_build)
-
-    simulate = _experiment_command(commands, "simulate", "simulate the closed loop and write the measured frame")
-    simulate.add_argument("--validation", action="store_true", help="the validation trajectory instead")
-    simulate.add_argument("--output", metavar="FILE", help="write there, .csv or .parquet (default: CSV on stdout)")
-    simulate.set_defaults(command=_simulate)
-
-    identify = _experiment_command(commands, "identify", "identify, and print the estimates without a report")
-    identify.set_defaults(command=_identify)
-
-    run = _experiment_command(commands, "run", "run the whole experiment and write its report")
-    run.add_argument("--output", metavar="DIR", help="folder of the run (default: reports/<run-id>)")
-    run.set_defaults(command=_run)
-
-    excite = commands.add_parser(
-        "excite", help="design the trajectory that excites the plant best, as CSV", epilog=EXIT_CODES
-    )
-    _common(excite, seed="seed of the random starts")
-    excite.add_argument("--validation", action="store_true", help="the validation trajectory instead")
-    excite.add_argument("--output", metavar="FILE", help="write there (default: stdout)")
-    excite.set_defaults(command=_excite)
-
-    report = commands.add_parser("report", help="rebuild a run's page from its record alone", epilog=EXIT_CODES)
-    report.add_argument("run", metavar="RUN", help="the run's folder, or its name in reports/")
-    report.add_argument("--json", action="store_true", help="print the result as JSON")
-    report.set_defaults(command=_report)
-    return parser
-
-
-def _experiment_command(commands, name: str, help_text: str) -> argparse.ArgumentParser:
-    command = commands.add_parser(name, help=help_text, epilog=EXIT_CODES)
-    _common(command, seed="seed of the noise")
-    command.add_argument("--data", metavar="PATH", help="folder of the measured data")
-    command.add_argument(
-        "--simulated", action="store_true", help="simulated data, where the experiment has measured ones"
-    )
-    command.add_argument(
-        "--jacobian", choices=("forward", "central", "directional"), help="how the EKF differentiates the plant"
-    )
-    return command
-
-
-def _common(command: argparse.ArgumentParser, seed: str) -> None:
-    command.add_argument("experiment", metavar="EXPERIMENT", help="scara, emps, or a path to a .toml file")
-    command.add_argument("--fmi", choices=("2", "3"), help="FMI version of our FMUs to run on (default: 2)")
-    command.add_argument("--seed", type=int, help=seed)
-    command.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a setting, e.g. ekf.substeps=8"
-    )
-    command.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
 def _session(arguments: argparse.Namespace, narrate=None):
@@ -262,6 +189,23 @@ def _report(arguments: argparse.Namespace) -> int:
     print(json.dumps({"report": str(page)}) if arguments.json else page)
     return 0
 
+
+def _plan(arguments: argparse.Namespace) -> int:
+    from pipeline.workflow.plan import plan, plan_text
+
+    found = plan(_session(arguments), arguments.command, arguments.output if "output" in arguments else None)
+    print(json.dumps(found) if arguments.json else plan_text(found))
+    return 0
+
+
+COMMANDS = {
+    "build": _build,
+    "simulate": _simulate,
+    "identify": _identify,
+    "run": _run,
+    "excite": _excite,
+    "report": _report,
+}
 
 if __name__ == "__main__":
     sys.exit(main())
