@@ -15,21 +15,20 @@ from typing import Any
 
 from pipeline.errors import ExportError
 from pipeline.export.frontend_process import compile_model
-from pipeline.export.redeclare import lost_modifiers
+from pipeline.export.losses import find_losses
 
 SCHEMA = 43
 
 TRANSLATED = {
     "variables", "value_types", "domains", "expressions", "functions", "continuous_equation_operations",
     "initialization_equation_operations", "initial_discrete_values", "discrete_real_equations",
-    "discrete_value_owners", "relations", "conditions", "roots", "event_actions", "clocks",
+    "discrete_value_owners", "relations", "conditions", "roots", "time_events", "event_actions", "clocks",
 }  # fmt: skip
 BOOKKEEPING = {"predefined_string_declaration", "flat_type_ids", "value_type_provenance", "clock_ownerships"}
 REFUSED = {
     "initial_parameter_values": "a parameter computed by an initial equation (fixed=false)",
     "model_event_transactions": "an algorithm in a when-clause",
     "structured_roots": "an event in an array equation",
-    "time_events": "a time event other than sample()",
     "previous_values": "previous() of the synchronous language elements",
     "terminals": "terminal()",
     "delays": "delay()",
@@ -43,6 +42,7 @@ KINDS_OF_ENTRIES = {
     "relations": {"relation"},
     "conditions": {"node"},
     "roots": {"root"},
+    "time_events": {"instant", "deadline"},
     "event_actions": {"trigger", "guard", "kind"},
     "clocks": {"kind"},
 }
@@ -151,6 +151,9 @@ def check_complete(source: Source) -> None:
         if key in TRANSLATED | BOOKKEEPING or not value:
             continue
         raise source.refuse(f"{REFUSED.get(key, f'the section {key} of the DAE')} cannot be exported", value)
+    for entry in source.dae["conditions"]:  # these shift the numbers of the nodes behind them
+        if "quotient_owner" in entry.get("node", ()):
+            raise source.refuse("div(), mod() and rem() cannot be exported: write them with floor()", entry)
     for key, kinds in KINDS_OF_ENTRIES.items():
         for entry in source.dae[key]:
             if not set(entry) - {"provenance"} <= kinds:
@@ -158,8 +161,5 @@ def check_complete(source: Source) -> None:
     for key, what in REFUSED_FLAT.items():
         if source.flat[key]:
             raise source.refuse(f"{what} cannot be exported: remove it", source.flat[key])
-    for name, line in lost_modifiers(source.model, source.files):
-        raise ExportError(
-            f"{source.model}: a redeclare with a modifier is lost by the front end: give the modifier "
-            f"to a class of its own ({name}:{line})"
-        )
+    for what, name, line in find_losses(source.model, source.files):
+        raise ExportError(f"{source.model}: {what} ({name}:{line})")
