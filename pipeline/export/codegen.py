@@ -34,6 +34,7 @@ def functions(model: Model) -> list[ca.Function]:
         function("derivatives", [model.derivatives]),
         function("algebraics", [model.algebraics]),
         function("relations", [column([getattr(r, key) for r in events.relations]) for key in ("truth", "indicator")]),
+        function("instants", [column(instants(model))]),
         function("clocks", [column([clock[k] for clock in events.clocks]) for k in (0, 1)]),
         function(
             "event",
@@ -42,6 +43,11 @@ def functions(model: Model) -> list[ca.Function]:
         ),
         *(function(name, results, [*arguments, *seeds]) for name, (seeds, results) in sensitivities(model).items()),
     ]
+
+
+def instants(model: Model) -> list[ca.SX]:
+    """When the relations that time alone decides switch."""
+    return [relation.instant for relation in model.events.relations if relation.instant is not None]
 
 
 def equations(model: Model) -> str:
@@ -61,6 +67,7 @@ def counts(model: Model) -> str:
     numbers = {macro: len(model.variables[kind]) for kind, macro in macros.items()}
     numbers |= {
         "N_RELATIONS": len(model.events.relations),
+        "N_INSTANTS": len(instants(model)),
         "N_CLOCKS": len(model.events.clocks),
         "N_ASSERTIONS": len(model.events.messages),
     }

@@ -16,10 +16,11 @@ import casadi as ca
 from pipeline.errors import ExportError
 from pipeline.export.arrays import Value, elementwise, flatten
 from pipeline.export.clocks import read_clocks
-from pipeline.export.events import Discrete, Events, Relation, new_events
+from pipeline.export.events import Discrete, Events, conditions, new_events
 from pipeline.export.expressions import Expressions, Scope
 from pipeline.export.frontend import Source
 from pipeline.export.parameters import bind_parameters
+from pipeline.export.relations import Relation, read_relation
 from pipeline.export.sorting import Equation, solve
 from pipeline.export.starts import read_starts
 from pipeline.export.units import per_second
@@ -84,11 +85,13 @@ def _translate(source: Source, start_values: dict[str, float]) -> Model:
     time = ca.SX.sym("time")
     coordinates = _coordinates(entries, time)
     parameters = bind_parameters(expressions, entries, Scope(coordinates), start_values)
+    expressions.known = {s.name: s.start for e in entries for s in e.scalars if s.kind == "constant"}
     for entry in entries:
         apply_limits(expressions, entry, parameters, Scope(coordinates))
     variables = _by_kind(entries)
 
     events = new_events(source, time)
+    coordinates |= conditions(source, events)
     scope = Scope(coordinates, events.symbols)
     continuous = _residuals(expressions, source.dae["continuous_equation_operations"], scope)
     unknown = [variable.symbol for kind in ("derivative", "algebraic") for variable in variables[kind]]
@@ -186,11 +189,13 @@ def _solve_events(expressions, entries, scope, events, continuous, unknown, solu
     def resolve(value: ca.SX, symbols: list[ca.SX], values: list[ca.SX]) -> ca.SX:
         return ca.substitute(value, ca.vertcat(*symbols), ca.vertcat(*values)) if symbols else value
 
-    plain = Scope(scope.coordinates)
+    # between events pre(d) is d; at one, a pass of the iteration starts from the d of the last
+    held = {(f"pre_{entry.role}", entry.i): entry.value for entry in entries if entry.pre is not None}
+    plain = Scope({**scope.coordinates, **held})
     for node in events.symbols:
-        lhs, rhs = (expressions.read(expressions.nodes[node][1][side], plain) for side in ("lhs", "rhs"))
-        truth = resolve(expressions.read(node, plain), unknown, solution)
-        events.relations.append(Relation(truth, resolve(lhs - rhs, unknown, solution)))
+        relation = read_relation(expressions, node, plain, node in events.timed, events.time)
+        truth, indicator = (resolve(value, unknown, solution) for value in (relation.truth, relation.indicator))
+        events.relations.append(Relation(truth, indicator, relation.instant))
     discrete = Discrete(expressions, entries, scope, events)
     equations = discrete.read()
     z = [scalar.symbol for entry in entries for scalar in entry.scalars if scalar.kind == "discrete"]

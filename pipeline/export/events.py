@@ -13,16 +13,9 @@ import casadi as ca
 from pipeline.export.arrays import flatten
 from pipeline.export.expressions import Expressions, Scope
 from pipeline.export.frontend import Source
+from pipeline.export.relations import Relation, find_relations
 from pipeline.export.sorting import Equation
 from pipeline.export.variables import Entry
-
-
-@dataclass(frozen=True)
-class Relation:
-    """A relation that has an event: its truth and its indicator (lhs − rhs), whose sign changes where it switches."""
-
-    truth: ca.SX
-    indicator: ca.SX
 
 
 @dataclass
@@ -38,6 +31,7 @@ class Events:
     r_pre: ca.SX
     flags: ca.SX
     symbols: dict[int, ca.SX]
+    timed: set[int]
     relations: list[Relation] = field(default_factory=list)
     clocks: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
     z_pre: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
@@ -48,17 +42,28 @@ class Events:
 
 
 def new_events(source: Source, time: ca.SX) -> Events:
-    """The symbols of a model's events: one per relation with a root and one per clock."""
-    rooted = sorted({entry["root"]["relation"] for entry in source.dae["roots"]})
-    nodes = [source.dae["relations"][k]["relation"]["expression"] for k in rooted]
+    """The symbols of a model's events: one per relation that has one, and one per clock."""
+    nodes, timed = find_relations(source)
     r = ca.SX.sym("r", len(nodes))
     return Events(
         time=time,
         r=r,
         r_pre=ca.SX.sym("r_pre", len(nodes)),
-        flags=ca.SX.sym("flags", 1 + len(source.dae["clocks"])),
+        flags=ca.vertcat(ca.SX.sym("initial()"), *[ca.SX.sym("sample()") for _ in source.dae["clocks"]]),
         symbols={node: r[k] for k, node in enumerate(nodes)},
+        timed=timed,
     )
+
+
+def conditions(source: Source, events: Events) -> dict[tuple[str, int], ca.SX]:
+    """The coordinates that initial() and sample() are, by themselves, in an expression."""
+    found = {}
+    for c, entry in enumerate(source.dae["conditions"]):
+        if entry["node"] == "initial":
+            found["condition", c] = events.flags[0]
+        elif isinstance(entry["node"], dict) and "clock" in entry["node"]:
+            found["condition", c] = events.flags[1 + entry["node"]["clock"]]
+    return found
 
 
 class Discrete:
@@ -180,14 +185,13 @@ class Discrete:
             guard = self.level(entry["guard"])
             if kind == "reinitialize":
                 active = ca.logic_and(self.rises(entry["trigger"]), guard)
-                name = self.entries[body["state"]].scalars[0].name
-                if len(self.entries[body["state"]].scalars) > 1:
-                    raise self.source.refuse(f"reinit of the array {name} cannot be exported", entry)
-                after[name] = ca.if_else(active, self.expressions.read(body["value"], self.scope), after[name])
+                values = flatten(self.expressions.read(body["value"], self.scope))
+                for scalar, value in zip(self.entries[body["state"]].scalars, values, strict=True):
+                    after[scalar.name] = ca.if_else(active, value, after[scalar.name])
             elif kind == "assert":
                 violated.append(guard)
                 self.events.messages.append(self._message(body["message"], entry))
-            else:
+            elif kind != "warning":  # which has no influence on the model (language specification 3.6, section 8.3.7)
                 raise self.source.refuse(f"{kind} cannot be exported", entry)
         self.events.violated = ca.vertcat(*violated) if violated else ca.SX(0, 1)
         return after

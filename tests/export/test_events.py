@@ -206,3 +206,39 @@ def test_relations_that_never_settle_are_an_error(tmp_path):
     """
     with archive_of(tmp_path, text).co_simulation() as instance, pytest.raises(FMICallException):
         instance.step(0.0, 1.0)
+
+
+TIMED = """
+model M
+  parameter Real t0=0.3;
+  Real x(start=0, fixed=true);
+  discrete Real n(start=0.2345, fixed=true);
+equation
+  der(x) = if time - t0 > 0.25 then 1 else 0;
+  when time >= pre(n) then
+    n = pre(n) + 0.4;
+  end when;
+end M;
+"""
+
+
+def test_a_time_event_is_announced_and_met(tmp_path):
+    with archive_of(tmp_path, TIMED).model_exchange(t0=0.1234) as instance:
+        announced = [instance.next_event]
+        while instance.next_event < 1.2:
+            instance.rhs(instance.next_event, [0.0])
+            announced.append(instance.event())
+        assert announced == pytest.approx([0.2345, 0.3734, 0.6345, 1.0345, 1.4345])
+        assert instance.rhs(1.3, [0.0]) == 1.0
+
+
+def test_time_events_under_an_integrator_of_model_exchange(tmp_path):
+    result = simulate_fmu(
+        str(archive_of(tmp_path, TIMED).path),
+        fmi_type="ModelExchange",
+        stop_time=1.0,
+        start_values={"t0": 0.1234},
+        output=["x", "n"],
+        relative_tolerance=1e-10,
+    )
+    assert [result["x"][-1], result["n"][-1]] == pytest.approx([1 - 0.3734, 1.0345], abs=1e-9)

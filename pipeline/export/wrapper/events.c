@@ -29,9 +29,20 @@ bool tick_due(const Instance *c) {
     return false;
 }
 
-/* The next sample instant, DBL_MAX without one, and how exactly a point of time has to meet it. */
+/* The next instant of a relation that time alone decides, DBL_MAX without one. */
+static double next_instant(const Instance *c) {
+    double instants[N_INSTANTS + 1], next = DBL_MAX;
+    const double *arguments[] = {&c->memory.time, X(c), U(c), P(c), Z(c), c->memory.relations};
+    double *results[] = {instants};
+    model_instants(arguments, results, NULL, NULL, 0);
+    for (size_t i = 0; i < N_INSTANTS; i++)
+        if (instants[i] > c->memory.time) next = fmin(next, instants[i]);
+    return next;
+}
+
+/* The next time event, DBL_MAX without one, and how exactly a point of time has to meet it. */
 double next_tick(const Instance *c, double *how_exactly) {
-    double next = DBL_MAX;
+    double next = next_instant(c);
     *how_exactly = 0;
     for (size_t i = 0; i < N_CLOCKS; i++)
         if (instant(&c->memory, i) < next) {

@@ -49,6 +49,7 @@ ModelFunction model_start;        /* -> start values of states and of discrete v
 ModelFunction model_derivatives;  /* -> derivatives of the states */
 ModelFunction model_algebraics;   /* -> algebraic variables */
 ModelFunction model_relations;    /* -> truth of every relation, indicator of every relation */
+ModelFunction model_instants;     /* -> when the relations that time alone decides switch */
 ModelFunction model_clocks;       /* -> period of every clock, phase of every clock */
 ModelFunction model_event;        /* (…, r_pre, flags) -> discrete variables and states after an event, violated asserts */
 
