@@ -8,6 +8,11 @@ from itertools import product
 import casadi as ca
 
 Value = ca.SX | tuple
+Pick = int | list[int] | slice | ca.SX  # a subscript, counted from 0
+
+
+class Record(tuple):
+    """The fields of a record, in the order of their declaration."""
 
 
 def elementwise(operation: Callable, *values: Value) -> Value:
@@ -17,7 +22,8 @@ def elementwise(operation: Callable, *values: Value) -> Value:
         return operation(*values)
     (n,) = size
     columns = [value if isinstance(value, tuple) else (value,) * n for value in values]
-    return tuple(elementwise(operation, *items) for items in zip(*columns, strict=True))
+    kind = next(type(value) for value in values if isinstance(value, tuple))
+    return kind(elementwise(operation, *items) for items in zip(*columns, strict=True))
 
 
 def matmul(left: tuple, right: tuple) -> Value:
@@ -53,14 +59,64 @@ def promote(value: Value) -> tuple:
     return value if isinstance(value[0], tuple) else tuple((item,) for item in value)
 
 
-def index(value: Value, picks: list[int | slice]) -> Value:
-    """value[i, :, …] with indices from 0."""
+def matrix_power(base: tuple, exponent: int) -> tuple:
+    """A square matrix (n, n) times itself; the exponent must not be negative."""
+    if exponent < 0:
+        raise ValueError(f"a matrix to the power of {exponent}")
+    power = unit_matrix(len(base))
+    for _ in range(exponent):
+        power = matmul(power, base)
+    return power
+
+
+def unit_matrix(n: int) -> tuple:
+    """The unit matrix (n, n)."""
+    return tuple(tuple(ca.SX(float(i == k)) for k in range(n)) for i in range(n))
+
+
+def index(value: Value, picks: list[Pick]) -> Value:
+    """value[i, :, {j, k}, …]; IndexError where there is no such element.
+
+    An index that is an expression picks when the FMU runs: not a number where there is no such element.
+    """
     if not picks:
         return value
     first, rest = picks[0], picks[1:]
-    if isinstance(first, slice):
-        return tuple(index(item, rest) for item in value)
-    return index(value[first], rest)
+    if isinstance(first, ca.SX):
+        picked = elementwise(lambda item: ca.SX.nan(), index(value[0], rest))
+        for k, item in enumerate(value):
+            picked = elementwise(lambda a, b, k=k: ca.if_else(first == k, a, b), index(item, rest), picked)
+        return picked
+    if isinstance(first, int):
+        return index(value[check(first, value)], rest)
+    return tuple(index(value[k], rest) for k in positions(first, value))
+
+
+def update(value: Value, picks: list[Pick], new: Value) -> Value:
+    """The array with the element or slice at `picks` replaced."""
+    if not picks:
+        return new
+    first, rest = picks[0], picks[1:]
+    if isinstance(first, ca.SX):
+        choose = [lambda a, b, k=k: ca.if_else(first == k, a, b) for k in range(len(value))]
+        return tuple(elementwise(choose[k], update(item, rest, new), item) for k, item in enumerate(value))
+    if isinstance(first, int):
+        replaced = {check(first, value): new}
+    else:
+        replaced = dict(zip(positions(first, value), new, strict=True))
+    return tuple(update(item, rest, replaced[k]) if k in replaced else item for k, item in enumerate(value))
+
+
+def positions(pick: list[int] | slice, value: tuple) -> list[int]:
+    """The indices that a slice stands for."""
+    return list(range(len(value))) if isinstance(pick, slice) else [check(k, value) for k in pick]
+
+
+def check(k: int, value: tuple) -> int:
+    """The index k itself; IndexError where the array has no such element: -1 is none in Modelica."""
+    if not 0 <= k < len(value):
+        raise IndexError(f"index {k + 1} of an array of {len(value)}")
+    return k
 
 
 def flatten(value: Value) -> list[ca.SX]:

@@ -7,6 +7,7 @@ that a sample period set before the initialisation is obeyed.
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,10 +16,13 @@ import casadi as ca
 from pipeline.export.frontend import Source
 from pipeline.export.parameters import Parameters
 
+OPERATORS = {"Add": operator.add, "Sub": operator.sub, "Mul": operator.mul, "Div": operator.truediv}
+
 
 def read_clocks(source: Source, parameters: Parameters) -> list[tuple[ca.SX, ca.SX]]:
     """(period, phase) of every clock in s, as expressions of constants and settable parameters."""
-    samples = [_arguments(source, call, parameters) for call in find_samples(source.flat["when_chains"])]
+    places = [source.flat[key] for key in ("when_chains", "equations", "algorithms", "variables")]
+    samples = [_arguments(source, call, parameters) for call in find_samples(places)]
     return [_match(source, entry, samples, parameters) for entry in source.dae["clocks"]]
 
 
@@ -41,12 +45,15 @@ def _arguments(source: Source, call: dict, parameters: Parameters) -> tuple[ca.S
 
 
 def _read(source: Source, argument: dict, parameters: Parameters) -> ca.SX:
+    """An argument of sample(), as the flat model has it: numbers, parameters, + - * / of them."""
     kind, body = next(iter(argument.items()))
     if kind == "Literal":
         return ca.SX(float(next(iter(body["value"].values()))))
+    if kind == "Binary" and body["op"] in OPERATORS:
+        return OPERATORS[body["op"]](*(_read(source, body[side], parameters) for side in ("lhs", "rhs")))
     name = body["name"]["name"] if kind == "VarRef" else None
     if name not in parameters.symbols:
-        raise source.refuse("sample() takes a number or a parameter; anything else cannot be exported", body)
+        raise source.refuse("sample() of other than numbers, parameters and + - * / cannot be exported", body)
     return parameters.resolve(parameters.symbols[name])
 
 

@@ -7,49 +7,48 @@ Integers are numbers. A relation with an event is not evaluated: it is the symbo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
 import casadi as ca
 
-from pipeline.export.arrays import Value, elementwise, flatten, index, matmul, size, stack, to_int
+from pipeline.export.arrays import (
+    Pick,
+    Record,
+    Value,
+    elementwise,
+    flatten,
+    index,
+    matmul,
+    matrix_power,
+    size,
+    to_int,
+    unit_matrix,
+    update,
+)  # fmt: skip
 from pipeline.export.frontend import Source
+from pipeline.export.functions import call
+from pipeline.export.operators import ARRAYS, BINARY, FUNCTIONS, STEPS, UNARY
 
-BINARY: dict[str, Callable] = {
-    "add": lambda a, b: a + b,
-    "subtract": lambda a, b: a - b,
-    "multiply": lambda a, b: a * b,
-    "divide": lambda a, b: a / b,
-    "power": lambda a, b: a**b,
-    "equal": lambda a, b: a == b,
-    "not_equal": lambda a, b: a != b,
-    "less": lambda a, b: a < b,
-    "less_equal": lambda a, b: a <= b,
-    "greater": lambda a, b: a > b,
-    "greater_equal": lambda a, b: a >= b,
-    "and": ca.logic_and,
-    "or": ca.logic_or,
-}
-UNARY: dict[str, Callable] = {"plus": lambda a: a, "negate": lambda a: -a, "not": ca.logic_not}
-# div, mod, rem, floor, ceil and integer step, and Modelica lets them cause events, which nothing here would catch
-FUNCTIONS: dict[str, Callable] = {
-    "abs": ca.fabs, "sign": ca.sign, "sqrt": ca.sqrt, "sin": ca.sin, "cos": ca.cos, "tan": ca.tan, "asin": ca.asin,
-    "acos": ca.acos, "atan": ca.atan, "atan2": ca.atan2, "sinh": ca.sinh, "cosh": ca.cosh, "tanh": ca.tanh,
-    "exp": ca.exp, "log": ca.log, "log10": ca.log10,
-}  # fmt: skip
+HELD = {"parameter", "discrete_real", "discrete_value", "pre_discrete_real", "pre_discrete_value"}
 
 
 @dataclass(frozen=True)
 class Scope:
     """What an expression is read in: the variables' values by coordinate (kind, index), relation symbols by node,
-    the loop variables of a for-family and, inside a function, its values."""
+    the loop variables of a for-family and, inside a function, its values and the functions that are being called.
+
+    quiet: within noEvent() or smooth().
+    """
 
     coordinates: Mapping[tuple[str, int], Value]
     relations: Mapping[int, ca.SX] = field(default_factory=dict)
     binders: Mapping[tuple[int, int], int] = field(default_factory=dict)
-    arguments: Mapping[tuple[str, int], Value] = field(default_factory=dict)
+    arguments: dict[tuple[str, int], Value] = field(default_factory=dict)
+    calls: tuple[int, ...] = ()
+    quiet: bool = False
 
 
 class Expressions:
@@ -57,6 +56,7 @@ class Expressions:
 
     def __init__(self, source: Source):
         self.source = source
+        self.known: Mapping[str, float] = {}  # values of constants, once they are bound
         arena = source.dae["expressions"]
         self.nodes = [(node, {}) if isinstance(node, str) else next(iter(node.items())) for node in arena["nodes"]]
         self.provenance = arena["provenance"]
@@ -69,7 +69,7 @@ class Expressions:
             if isinstance(body, dict) and count in body:
                 ranges[i] = stream[start : start + body[count]]
                 start += body[count]
-        if start != len(stream):
+        if start != len(stream) or len(self.nodes) != len(self.provenance):
             raise self.source.refuse("the front end's expressions do not add up: install rumoca==0.10.2")
         return ranges
 
@@ -111,7 +111,7 @@ class Expressions:
         if body["operator"] == "multiply" and isinstance(left, tuple) and isinstance(right, tuple):
             return matmul(left, right)
         if body["operator"] == "power" and isinstance(left, tuple):
-            raise self.refuse("a power of a matrix cannot be exported", i)
+            return matrix_power(left, self.constant(right, i))
         return elementwise(BINARY[operator], left, right)
 
     def _read_conditional(self, i: int, body: dict, scope: Scope) -> Value:
@@ -129,49 +129,68 @@ class Expressions:
         return tuple(self.read(body["body"], inner) for inner in self.iterate(body["domain"], scope))
 
     def _read_index(self, i: int, body: dict, scope: Scope) -> Value:
-        picks: list[int | slice | list[int]] = []
+        return index(self.read(body["base"], scope), self._picks(i, scope))
+
+    def _read_array_update(self, i: int, body: dict, scope: Scope) -> Value:
+        return update(self.read(body["base"], scope), self._picks(i, scope), self.read(body["value"], scope))
+
+    def _picks(self, i: int, scope: Scope) -> list[Pick]:
+        """The subscripts of node i, counted from 0."""
+        picks: list[Pick] = []
         for subscript in self.subscripts[i]:
             kind = subscript["kind"]
             if kind == "whole":
                 picks.append(slice(None))
             elif "index" in kind:
-                picks.append(self.integer(kind["index"], scope) - 1)
+                value = self.read(kind["index"], scope)
+                number = self._known_integer(value)
+                picks.append(value - 1 if number is None else number - 1)
+            elif "slice" in kind:
+                picks.append([self.constant(item, i) - 1 for item in self.read(kind["slice"], scope)])
             else:
-                raise self.refuse("an array slice other than `:` cannot be exported", i)
-        return index(self.read(body["base"], scope), picks)
+                raise self.refuse("this kind of subscript cannot be exported", i)
+        return picks
+
+    def _read_range(self, i: int, body: dict, scope: Scope) -> Value:
+        step = body["explicit_step_expression"]
+        first, last = (self.integer(body[f"{end}_expression"], scope) for end in ("start", "stop"))
+        by = 1 if step is None else self.integer(step, scope)
+        return tuple(ca.SX(float(k)) for k in range(first, last + (1 if by > 0 else -1), by))
 
     def _read_builtin(self, i: int, body: dict, scope: Scope) -> Value:
         name, operands = body["builtin"], self.operands[i]
-        if name in ("zeros", "ones", "fill", "identity"):
+        if name in ("zeros", "ones", "fill", "identity", "linspace"):
             return self._filled(name, operands, scope)
         if name == "size" and len(operands) == 2:
             array = self.read(operands[0], scope)
             return ca.SX(size(array, self.integer(operands[1], scope)))
+        if name in ("no_event", "smooth"):
+            scope = replace(scope, quiet=True)
         values = [self.read(operand, scope) for operand in operands]
-        if name in ("no_event", "homotopy"):
-            return values[0]
-        if name == "smooth":
-            return values[1]
-        if name in ("min", "max"):
-            pick = ca.fmin if name == "min" else ca.fmax
-            items = [item for value in values for item in flatten(value)]
-            return _fold(pick, items)
-        if name == "sum":
-            return _fold(lambda a, b: a + b, flatten(values[0]))
-        if name == "product":
-            return _fold(lambda a, b: a * b, flatten(values[0]))
-        if name == "transpose":
-            return tuple(zip(*values[0], strict=True))
-        if name in ("promoted_cat1", "promoted_cat2"):
-            return stack(values, name[-1])
+        if name in STEPS:
+            self._check_step(name, values, i, scope)
+            return elementwise(STEPS[name], *values)
+        if name in ARRAYS:
+            return ARRAYS[name](*values)
         if name not in FUNCTIONS:
             raise self.refuse(f"the function {name} cannot be exported", i)
         return elementwise(FUNCTIONS[name], *values)
 
+    def _check_step(self, name: str, values: list[Value], i: int, scope: Scope) -> None:
+        """A function with steps needs events, unless it is told otherwise or its arguments change at events only."""
+        named = {symbol.name() for value in values for item in flatten(value) for symbol in ca.symvar(item)}
+        held = {s.name() for (kind, _), v in scope.coordinates.items() if kind in HELD for s in flatten(v)}
+        if not scope.quiet and not named <= held:
+            raise self.refuse(f"{name}() of what changes between events cannot be exported: put it into noEvent()", i)
+
     def _filled(self, name: str, operands: list[int], scope: Scope) -> Value:
         if name == "identity":
             n = self.integer(operands[0], scope)
-            return tuple(tuple(ca.SX(float(i == k)) for k in range(n)) for i in range(n))
+            return unit_matrix(n)
+        if name == "linspace":
+            first, last = (self.read(operand, scope) for operand in operands[:2])
+            n = self.integer(operands[2], scope)
+            return tuple(first + (last - first) * k / (n - 1) for k in range(n))
         value, sizes = (self.read(operands[0], scope), operands[1:]) if name == "fill" else (None, operands)
         value = ca.SX(float(name == "ones")) if value is None else value
         for operand in reversed(sizes):
@@ -179,19 +198,16 @@ class Expressions:
         return value
 
     def _read_call(self, i: int, body: dict, scope: Scope) -> Value:
-        """A function of assignments alone, written out in place."""
-        function = self.source.dae["functions"][body["function"]]
-        if function["external"] is not None or body["derivative"] is not None:
-            raise self.refuse(f"the external function {function['name']} cannot be exported", i)
-        arguments = {
-            ("parameter", k): self.read(operand, scope) for k, operand in enumerate(self.operands[body["owner"]])
-        }
-        for statement in function["statements"]:
-            if set(statement) - {"provenance"} != {"assignment"}:
-                raise self.refuse(f"function {function['name']}: only assignments can be exported", i)
-            target, rhs = statement["assignment"]["target"], statement["assignment"]["rhs"]
-            arguments["value", target] = self.read(rhs, replace(scope, arguments=arguments, binders={}))
-        return arguments["value", body["output"]]
+        return call(self, i, body, scope)
+
+    def _read_record(self, i: int, body: dict, scope: Scope) -> Value:
+        return Record(self.read(operand, scope) for operand in self.operands[i])
+
+    def _read_field(self, i: int, body: dict, scope: Scope) -> Value:
+        base = self.read(body["base"], scope)
+        if not isinstance(base, Record):
+            raise self.refuse("a field of an array of records cannot be exported: take one record first", i)
+        return base[body["field"]]
 
     def _read_function_value(self, i: int, body: dict, scope: Scope) -> Value:
         if ("value", body["value"]) not in scope.arguments:
@@ -200,15 +216,30 @@ class Expressions:
 
     def integer(self, i: int, scope: Scope) -> int:
         """The value of a node that must be known when the FMU is built: an array size or index."""
-        value = to_int(self.read(i, scope))
-        if value is None:
-            raise self.refuse("an array index or size that is not constant cannot be exported", i)
-        return value
+        return self.constant(self.read(i, scope), i)
+
+    def constant(self, value: Value, i: int) -> int:
+        """The integer that a value read at node i must be."""
+        number = self._known_integer(value)
+        if number is None:
+            raise self.refuse("an array size or slice that is not constant cannot be exported", i)
+        return number
+
+    def _known_integer(self, value: Value) -> int | None:
+        symbols = [] if isinstance(value, tuple) else ca.symvar(value)
+        numbers = [self.known.get(symbol.name()) for symbol in symbols]
+        if symbols and None not in numbers:
+            value = ca.substitute(value, ca.vertcat(*symbols), ca.DM(numbers))
+        return to_int(value)
 
     def iterate(self, domain: int, scope: Scope) -> list[Scope]:
-        """One scope for each instance of a for-family, the last loop variable running fastest."""
+        """One scope for each instance of a for-family, within the instance of an outer one if `scope` is in one.
+
+        The last loop variable runs fastest.
+        """
         entry = self.source.dae["domains"][domain]
-        scopes = [scope] if entry["parent"] is None else self.iterate(entry["parent"], scope)
+        outside = entry["parent"] is None or (entry["parent"], 0) in scope.binders
+        scopes = [scope] if outside else self.iterate(entry["parent"], scope)
         binders = entry["domain"]["binders"]
         ranges = [range(b["lower"], b["upper"] + (1 if b["step"] > 0 else -1), b["step"]) for b in binders]
         return [
@@ -216,10 +247,3 @@ class Expressions:
             for outer in scopes
             for values in product(*ranges)
         ]
-
-
-def _fold(operation: Callable, items: list[ca.SX]) -> ca.SX:
-    value = items[0]
-    for item in items[1:]:
-        value = operation(value, item)
-    return value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 
 import casadi as ca
 
@@ -108,6 +109,8 @@ def _order(expressions: Expressions, bindings: dict[str, ca.SX], scalars: dict) 
             visit(symbol.name())
         value = parameters.resolve(bindings[name])
         parameters.numbers[name] = scalar.start = parameters.evaluate(value)
+        if not isfinite(scalar.start):
+            raise expressions.source.refuse(f"parameter {name} is {scalar.start}: give a finite value", entry.data)
         parameters.symbols[name] = scalar.symbol
         if any(scalars[symbol.name()][0].kind != "constant" for symbol in ca.symvar(value)):
             if scalar.type != "Real":

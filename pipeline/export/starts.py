@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 import casadi as ca
 
 from pipeline.export.arrays import flatten
@@ -95,5 +97,7 @@ def _check_known(expressions: Expressions, entries: list[Entry], starts: dict[st
                 what = f"the start value of {name} depends on {symbol.name()}, which is not a parameter"
                 raise expressions.source.refuse(what)
         scalars[name].start = number(starts[name])
+        if scalars[name].start is not None and not isfinite(scalars[name].start):
+            raise expressions.source.refuse(f"the start value of {name} is {scalars[name].start}: give a finite one")
         if scalars[name].kind == "input" and scalars[name].start is None:
             raise expressions.source.refuse(f"the start value of the input {name} must be a number")

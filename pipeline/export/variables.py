@@ -22,7 +22,7 @@ from pipeline.export.expressions import Expressions, Scope
 from pipeline.export.frontend import Source
 
 KINDS = ("constant", "parameter", "calculated", "state", "discrete", "input", "derivative", "algebraic")
-TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
+TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "enumeration": "Integer"}
 KIND_OF_ROLE = {
     "constant": "constant", "parameter": "parameter", "input": "input", "state": "state", "algebraic": "algebraic",
     "output": "algebraic", "discrete_real": "discrete", "discrete_value": "discrete",
@@ -97,10 +97,19 @@ def _declare_one(source: Source, i: int, data: dict[str, Any]) -> Entry:
         "quantity": flat.get("quantity"),
         "description": attributes.get("description"),
     }
+    if scalar_type == "enumeration":
+        shared |= {"minimum": 1.0, "maximum": literals(source, name)}
     dimensions = value_type["dimensions"]
     names = [name + subscript for subscript in subscripts(dimensions)]
     scalars = [Variable(scalar, kind, ca.SX.sym(scalar), **shared) for scalar in names]
     return Entry(i, data["role"], data, dimensions, scalars)
+
+
+def literals(source: Source, name: str) -> float | None:
+    """How many literals the enumeration has that a variable is of, or None where the front end does not tell."""
+    of_type = f"{source.flat['variable_type_names'].get(name)}."
+    ordinals = source.flat["enum_literal_ordinals"].items()
+    return max((float(k) for literal, k in ordinals if literal.startswith(of_type)), default=None)
 
 
 def read_attribute(expressions: Expressions, entry: Entry, attribute: str, scope: Scope) -> list[ca.SX] | None:

@@ -1,71 +1,39 @@
-"""Modelica constructs through Co-Simulation of a built FMU over one second, against values worked out by hand."""
+"""The language, row by row of the table in modelica/README.md: values through Co-Simulation, and the table itself."""
 
-import numpy as np
+import re
+
 import pytest
 
+from pipeline.paths import ROOT
+from tests.export.held import CONTINUOUS
+from tests.export.held_events import EVENTS
 from tests.export.language import archive_of
+from tests.export.refused import REFUSED
 
-CASES = {
-    "array in an if": (
-        "Real x[2](start={0.3, 0.6}, each fixed=true); equation der(x) = if x[1] > 0.1 then {-1, -1} else {0, 1};",
-        {"x[1]": 0.1, "x[2]": 1.2},
-    ),
-    "if in an if": (
-        "Real x(start=0, fixed=true); Real y;"
-        "equation der(x) = y; y = if x > 0.3 then (if x > 0.6 then 3 else 2) else 1;",
-        {"x": 0.6 + 3 * (1 - 0.3 - 0.15)},
-    ),
-    "elseif": (
-        "Real x(start=0, fixed=true); equation der(x) = if x < 0.3 then 1 elseif x < 0.6 then 2 else 3;",
-        {"x": 0.6 + 3 * (1 - 0.3 - 0.15)},
-    ),
-    "a relation of integers": (
-        "discrete Integer k(start=0, fixed=true); Real x(start=0, fixed=true);"
-        "equation when sample(0, 0.25) then k = pre(k) + 1; end when; der(x) = if k == 2 then 1 else 0;",
-        {"x": 0.25},
-    ),
-    "discrete arrays and their initial equation": (
-        "parameter Real a=3; discrete Real d[2]; initial equation pre(d) = {a, 2*a};"
-        "equation when sample(0, 0.25) then d = pre(d) + {1, 10}; end when;",
-        {"d[1]": 7, "d[2]": 46},
-    ),
-    "two controllers in a row, one period": (
-        "model J parameter Real Ts=0.1; input Real u; discrete output Real y(start=0, fixed=true);"
-        "equation when sample(0, Ts) then y = pre(y) + u; end when; end J;"
-        "parameter Real T=0.2; J a(Ts=T); J b(Ts=T); equation a.u = 1; b.u = a.y;",
-        {"a.y": 5, "b.y": 15},
-    ),
-    "an event that an event brings about": (
-        "Real x(start=0, fixed=true); discrete Real d(start=0, fixed=true); Real y=d + x;"
-        "discrete Real e(start=0, fixed=true);"
-        "equation der(x) = 1; when x > 0.5 then d = 10; end when; when y > 5 then e = pre(e) + 1; end when;",
-        {"d": 10, "e": 1},
-    ),
-    "reinit again and again": (
-        "Real x(start=0, fixed=true); equation der(x) = 1; when x > 0.3 then reinit(x, 0); end when;",
-        {"x": 0.1},
-    ),
-    "noEvent guards a root": (
-        "Real x(start=4, fixed=true); equation der(x) = -sqrt(noEvent(if x > 0 then x else 0));",
-        {"x": 2.25},
-    ),
-    "inner and outer": (
-        "model World parameter Real g=1; end World; model W outer World world; Real y=world.g*time; end W;"
-        "inner World world(g=3); W w; Real z=w.y;",
-        {"z": 3},
-    ),
-    "an array of components": (
-        "model W parameter Real k=1; parameter Real c=0; Real x(start=c, fixed=true); equation der(x) = -k*x; end W;"
-        "W w[3](k={1, 2, 3}, each c=7);",
-        {f"w[{k}].x": 7 * np.exp(-k) for k in (1, 2, 3)},
-    ),
-    "an algorithm": ("Real y[3]; algorithm for i in 1:3 loop y[i] := i*time; end for;", {"y[3]": 3}),
-}
+HELD = CONTINUOUS | EVENTS
+CASES = [(row, k) for row, cases in HELD.items() for k in range(len(cases))]
+ROW = re.compile(r"^\| (?P<construct>.+?) \| (?P<what>held|refused) \|.*\|$", re.MULTILINE)
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_values_after_one_second(tmp_path, case):
-    body, expected = CASES[case]
-    with archive_of(tmp_path, f"model M {body} end M;").co_simulation() as instance:
+def read(instance, name):
+    """The value of a variable of any type."""
+    variable = next(v for v in instance.archive.description.modelVariables if v.name == name)
+    getter = {"Real": "getReal", "Integer": "getInteger", "Boolean": "getBoolean"}[variable.type]
+    return getattr(instance.fmu, getter)([variable.valueReference])[0]
+
+
+@pytest.mark.parametrize(("row", "k"), CASES)
+def test_values_after_one_second(tmp_path, row, k):
+    body, expected, *rest = HELD[row][k]
+    archive = archive_of(tmp_path, f"model M {body} end M;")
+    with archive.co_simulation(**(rest[0] if rest else {})) as instance:
         instance.step(0.0, 1.0)
-        assert instance.get(*expected) == pytest.approx(list(expected.values()), abs=1e-9)
+        values = {name: read(instance, name) for name in expected}
+    assert values == pytest.approx(expected, abs=1e-9)
+
+
+def test_every_row_of_the_table_has_its_cases_and_every_case_its_row():
+    text = (ROOT / "modelica" / "README.md").read_text()
+    rows = [(match["construct"].replace("`", ""), match["what"]) for match in ROW.finditer(text)]
+    assert len(rows) == len(set(rows))
+    assert set(rows) == {(name, "held") for name in HELD} | {(name, "refused") for name in REFUSED}
