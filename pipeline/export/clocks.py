@@ -51,6 +51,8 @@ def _read(source: Source, argument: dict, parameters: Parameters) -> ca.SX:
         return ca.SX(float(next(iter(body["value"].values()))))
     if kind == "Binary" and body["op"] in OPERATORS:
         return OPERATORS[body["op"]](*(_read(source, body[side], parameters) for side in ("lhs", "rhs")))
+    if kind == "Unary" and body["op"] == "Minus":
+        return -_read(source, body["rhs"], parameters)
     name = body["name"]["name"] if kind == "VarRef" else None
     if name not in parameters.symbols:
         raise source.refuse("sample() of other than numbers, parameters and + - * / cannot be exported", body)

@@ -137,7 +137,7 @@ class Discrete:
 
     def read(self) -> list[Equation]:
         """One equation for every discrete variable: the first clause that acts, else its value before."""
-        clauses: dict[str, list[tuple[ca.SX | None, ca.SX, str]]] = {}
+        clauses: dict[str, dict[str, tuple[ca.SX | None, ca.SX, str]]] = {}  # by variable and activation
         for entry in self.source.dae["discrete_real_equations"]:
             self._read_real(entry, clauses)
         for entry in self.source.dae["discrete_value_owners"]:
@@ -146,7 +146,7 @@ class Discrete:
         equations = []
         for scalar in scalars:
             value, place = self.pre[scalar.name], ""
-            for active, rhs, place in reversed(clauses.pop(scalar.name, [])):  # noqa: B007
+            for active, rhs, place in reversed(clauses.pop(scalar.name, {}).values()):  # noqa: B007
                 value = rhs if active is None else ca.if_else(active, rhs, value)
             equations.append(Equation(scalar.symbol - value, place))
         if clauses:
@@ -163,7 +163,8 @@ class Discrete:
         for target, value in zip(targets, values, strict=True):
             if not target.is_symbolic():
                 raise self.source.refuse("an equation in a when-clause must be `variable = expression`", entry)
-            clauses.setdefault(target.name(), []).append((active, value, place))
+            # an algorithm may assign twice in one clause: the last assignment holds
+            clauses.setdefault(target.name(), {})[str(entry["activation"])] = (active, value, place)
 
     def _read_value(self, entry: dict, clauses: dict) -> None:
         if entry["structure"] is not None:
@@ -175,7 +176,7 @@ class Discrete:
                     raise self.source.refuse("this assignment of a discrete value cannot be exported", entry)
                 items = flatten(self.expressions.read(value["value"], self.scope))
                 for scalar, item in zip(self.entries[target].scalars, items, strict=True):
-                    clauses.setdefault(scalar.name, []).append((active, item, place))
+                    clauses.setdefault(scalar.name, {})[str(branch["activation"])] = (active, item, place)
 
     def actions(self, states: dict[str, ca.SX]) -> dict[str, ca.SX]:
         """States after reinit(); asserts are collected on the way."""

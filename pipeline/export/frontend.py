@@ -7,6 +7,7 @@ no equation, event, modifier or initial equation can get lost on the way to the 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import copy
@@ -161,5 +162,29 @@ def check_complete(source: Source) -> None:
     for key, what in REFUSED_FLAT.items():
         if source.flat[key]:
             raise source.refuse(f"{what} cannot be exported: remove it", source.flat[key])
+    for algorithm in source.flat["algorithms"]:
+        _check_whens(source, [body for statement in algorithm["statements"] if (body := statement.get("When"))])
     for what, name, line in find_losses(source.model, source.files):
         raise ExportError(f"{source.model}: {what} ({name}:{line})")
+
+
+def _check_whens(source: Source, whens: list[dict]) -> None:
+    """Of several when-statements of an algorithm the last one holds; the DAE does not tell them from elsewhen."""
+    seen: set[str] = set()
+    for when in whens:
+        targets = set(find_targets(when))
+        if targets & seen:
+            what = f"{', '.join(targets & seen)} is assigned in two when-statements of an algorithm: use elsewhen"
+            raise source.refuse(what, when)
+        seen |= targets
+
+
+def find_targets(node: Any) -> Iterator[str]:
+    """Names of the variables that are assigned in a part of the flat model."""
+    if isinstance(node, dict):
+        if "Assignment" in node:
+            yield ".".join(part["ident"] for part in node["Assignment"]["comp"]["parts"])
+        node = list(node.values())
+    if isinstance(node, list):
+        for child in node:
+            yield from find_targets(child)

@@ -121,7 +121,14 @@ EVENTS: dict[str, list[tuple]] = {
             "end for; algorithm z := 1; if time > 0.5 then z := 2*z; end if;"
             "algorithm when time > 0.3 then d := d + 1; end when;",
             {"y[3]": 3, "z": 2, "d": 1},
-        )
+        ),
+        (
+            "Real x(start=0, fixed=true); discrete Real d(start=0, fixed=true); discrete Real c(start=0, fixed=true);"
+            "discrete Integer n(start=0, fixed=true); discrete Real s(start=0, fixed=true); equation der(x) = 1;"
+            "algorithm when x > 0.5 then d := d + 1; c := d*2; d := d + c; n := n + 1; n := 2*n; elsewhen x > 0.7 then"
+            " d := pre(d) + 10; end when; equation when sample(-0.1, 0.3) then s = pre(s) + 1; end when;",
+            {"c": 2, "d": 13, "n": 2, "s": 3},
+        ),
     ],
     "floor, ceil, integer": [
         (

@@ -88,6 +88,11 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
     "algorithms that sum up or assign several": [
         ("Real y; algorithm y := 0; for i in 1:3 loop y := y + i*time; end for;", "declarative algorithm"),
         ("Real y; Real z; algorithm z := time; y := 2*z;", "multi-output algorithm"),
+        (
+            "Real x=time; discrete Real d(start=0, fixed=true); algorithm when x > 0.5 then d := 1; end when;"
+            "when x > 0.5 then d := 2; end when;",
+            "d is assigned in two when-statements of an algorithm: use elsewhen",
+        ),
     ],
     "modifications of the form a.b=c": [
         ("model B Real x(start=1); equation der(x) = 1; end B; B b(x.start=3);", r"a\.b=c is lost .* write a\(b=c\)"),
