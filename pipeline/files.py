@@ -12,8 +12,12 @@ from pathlib import Path
 def replacing(path: Path) -> Iterator[Path]:
     """A fresh file beside `path` to write to; it replaces `path` in one step when the block ends well.
 
-    Else, on a full disk for example, what was there stays, and nothing is left behind. Raises OSError.
+    Else, on a full disk for example, what was there stays, and nothing is left behind. A device or a pipe is written
+    to itself. Raises OSError.
     """
+    if path.exists() and not path.is_file():
+        yield path
+        return
     path = path.resolve()  # a link stays a link
     fresh = path.with_name(f".{path.name}.{os.getpid()}.new")
     try:

@@ -6,11 +6,13 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from pipeline.errors import ConfigError, DataError
+from pipeline.files import replacing
 from pipeline.records import Trajectory
 from pipeline.simulate.headings import split_heading
 from pipeline.simulate.tables import Table, read_table
@@ -133,9 +135,9 @@ def read_waypoints(path: str | os.PathLike) -> Waypoints:
 
 
 def write_waypoints(path: str | os.PathLike, waypoints: Waypoints) -> None:
-    """Write way-points as `read_waypoints` reads them."""
-    with open(path, "w", encoding="utf-8", newline="\n") as file:
-        file.write(waypoints_text(waypoints))
+    """Write way-points as `read_waypoints` reads them, whole or not at all. Raises OSError."""
+    with replacing(Path(path)) as fresh:
+        fresh.write_text(waypoints_text(waypoints), encoding="utf-8", newline="\n")
 
 
 def waypoints_text(waypoints: Waypoints) -> str:

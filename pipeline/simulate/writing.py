@@ -33,17 +33,10 @@ def write_frame(frame: pd.DataFrame, units: Mapping[str, str], target: str | Tex
         return
     path = Path(target)
     try:
-        if path.exists() and not path.is_file():  # a device or a pipe is written to, never replaced
-            _write(table, path)
-            return
         with replacing(path) as fresh:
-            _write(table, fresh, path.suffix)
+            if path.suffix.lower() == ".parquet":
+                table.astype(float).to_parquet(fresh, index=False)
+            else:
+                table.to_csv(fresh, index=False, lineterminator="\n")
     except OSError as error:
         raise DataError(f"{path}: cannot be written ({error.strerror or error}); give another --output") from error
-
-
-def _write(table: pd.DataFrame, path: Path, suffix: str = "") -> None:
-    if suffix.lower() == ".parquet":
-        table.astype(float).to_parquet(path, index=False)
-    else:
-        table.to_csv(path, index=False, lineterminator="\n")
