@@ -123,15 +123,17 @@ def _unmapped(
     table: Table, columns: Mapping[str, ColumnSettings], units: Mapping[str, str]
 ) -> dict[str, ColumnSettings]:
     """The columns that the file itself names and gives a unit; a force and a command are one quantity: one is taken."""
-    offered = {name: heading for heading in table.columns for name, unit in [split_heading(heading)] if unit}
+    offered = {name for name, unit in map(split_heading, table.columns) if unit}
     if isinstance(table.columns.get("time"), TimeStamps):
-        offered["time"] = "time"
+        offered.add("time")
     found: dict[str, ColumnSettings] = {}
-    for name in sorted(set(units) & set(offered) - set(columns), key=list(units).index):
+    for name in units:
+        if name not in offered or name in columns:
+            continue
         quantity, _, joint = name.rpartition("_")
         twin = {"u": f"tau_{joint}", "tau": f"u_{joint}"}.get(quantity)
         if twin not in columns and twin not in found:
-            found[name] = ColumnSettings(offered[name], "", units[name])
+            found[name] = ColumnSettings(name, "", units[name])
     return found
 
 

@@ -27,7 +27,7 @@ class TimeStamps:
 def read_columns(path: Path) -> dict[str, np.ndarray | NotNumbers | TimeStamps]:
     """The file's columns by name, (N, 1) where they are numbers; raises ParquetError."""
     try:
-        frame = pd.read_parquet(path, engine="pyarrow")
+        frame = pd.read_parquet(path, engine="pyarrow", page_checksum_verification=True)
     except (pa.ArrowException, OSError, ValueError, TypeError, LookupError) as error:
         raise ParquetError(f"not a readable Parquet file ({' '.join(str(error).split())[:160]})") from None
     if not isinstance(frame.index, pd.RangeIndex) or frame.index.name is not None:

@@ -35,7 +35,7 @@ def write_frame(frame: pd.DataFrame, units: Mapping[str, str], target: str | Tex
     try:
         with replacing(path) as fresh:
             if path.suffix.lower() == ".parquet":
-                table.astype(float).to_parquet(fresh, index=False)
+                table.astype(float).to_parquet(fresh, index=False, write_page_checksum=True)
             else:
                 table.to_csv(fresh, index=False, lineterminator="\n")
     except OSError as error:

@@ -336,3 +336,9 @@ def test_a_position_that_is_neither_mapped_nor_named_is_refused(tmp_path):
     path = headed(tmp_path, "time [s]", "q_1", "u_1 [N.m]")
     with pytest.raises(ConfigError, match=r"`q_1` is not mapped, and a.csv has no column `q_1 \[unit\]`"):
         read_measured(path, {}, 100.0, units=UNITS)
+
+
+def test_a_name_that_needs_no_mapping_stands_once(tmp_path):
+    path = headed(tmp_path, "time [s]", "q_1 [rad]", "q_1 [deg]", "u_1 [N.m]")
+    with pytest.raises(DataError, match=r"`q_1 \[rad\]`, `q_1 \[deg\]` are all called `q_1`; name one in full"):
+        read_measured(path, {}, 100.0, units=UNITS)
