@@ -71,8 +71,8 @@ def counts(model: Model) -> str:
         "N_CLOCKS": len(model.events.clocks),
         "N_ASSERTIONS": len(model.events.messages),
     }
-    if model.variables["state"]:
-        names = [variable.name for kind in ("constant", "parameter") for variable in model.variables[kind]]
+    names = [variable.name for kind in ("constant", "parameter") for variable in model.variables[kind]]
+    if INTERNAL_STEP in names:
         numbers["INTERNAL_STEP"] = names.index(INTERNAL_STEP)
     return HEADER.format(model.name) + "".join(f"#define {name} {value}\n" for name, value in numbers.items())
 

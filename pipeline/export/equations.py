@@ -113,7 +113,7 @@ def _translate(source: Source, start_values: dict[str, float]) -> Model:
         experiment=source.experiment(),
     )
     mark_tunable(model, parameters.expressions)
-    if n:
+    if n or any(relation.instant is None and ca.depends_on(relation.indicator, time) for relation in events.relations):
         if any(variable.name == INTERNAL_STEP for members in variables.values() for variable in members):
             raise source.refuse(
                 f"a variable named {INTERNAL_STEP} would hide the parameter of Co-Simulation: rename it"

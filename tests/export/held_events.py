@@ -1,5 +1,7 @@
 """What the exporter holds of events and of discrete variables, by the rows of the table in modelica/README.md."""
 
+import numpy as np
+
 EVENTS: dict[str, list[tuple]] = {
     "if-expressions and if-equations": [
         (
@@ -39,6 +41,11 @@ EVENTS: dict[str, list[tuple]] = {
         ),
     ],
     "when, elsewhen, pre, edge, change": [
+        (
+            "discrete Real t0(start=0, fixed=true); Boolean on=sin(20*time) > 0; equation when on then t0 = time;"
+            "end when;",
+            {"t0": 0.3 * np.pi},
+        ),
         (
             "Real x(start=0, fixed=true); Boolean b; discrete Real d(start=0, fixed=true);"
             "discrete Real n(start=0, fixed=true); discrete Real m(start=0, fixed=true);"

@@ -62,7 +62,7 @@ static bool step_with_events(Instance *c, double h) {
 
 /* Integrate over a duration in equal steps, none longer than internalStep. */
 static bool integrate(Instance *c, double duration) {
-#if N_STATES > 0
+#ifdef INTERNAL_STEP  /* there are states, or relations that time switches */
     double next[N_STATES + 1];
     double start = c->memory.time;
     double longest = P(c)[INTERNAL_STEP];
