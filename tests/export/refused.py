@@ -5,6 +5,26 @@ X_AND_Y = "model X parameter Real k=1; Real y=k*time; end X; model Y extends X(k
 F = "function f input Real x; output Real y; algorithm"
 
 REFUSED: dict[str, list[tuple[str, str]]] = {
+    "Integer and Boolean parameters computed from Real ones": [
+        (
+            "parameter Real k=2; parameter Boolean b=k > 1; Real y=if b then 1 else 2;",
+            "parameter b: a Boolean parameter",
+        ),
+        ("parameter Real k=2.5; parameter Integer n=integer(k); Real y=n*time;", "parameter n: a Integer parameter"),
+    ],
+    "discrete arrays assigned by element": [
+        (
+            "discrete Real k[2](each start=0, each fixed=true); equation when sample(0, 1) then k[1] = time; k[2] = 1;"
+            "end when;",
+            "is not a discrete coordinate",
+        ),
+        ("Boolean b[2]; equation b = {time > 0.3, time > 2};", "an array of discrete values"),
+        (
+            "discrete Real k[2](each start=0, each fixed=true); algorithm when sample(0, 1) then for i in 1:2 loop"
+            " k[i] := i; end for; end when;",
+            "an algorithm in a when-clause",
+        ),
+    ],
     "parameters computed at the start": [
         (
             "parameter Real k(fixed=false); Real x(start=0); initial equation k = 2; equation der(x) = k;",
