@@ -5,8 +5,11 @@ from subprocess import run
 
 import numpy as np
 import pytest
+from fmpy import simulate_fmu
 
 from pipeline.paths import ROOT
+from tests.export.language import archive_of
+from tests.export.test_events import BALL, SWITCH
 from tests.export.test_fmus_states import DRIVEN, march, march_exchange
 
 INTERFACES = {"co_simulation": march, "model_exchange": march_exchange}
@@ -67,3 +70,24 @@ def test_a_state_of_one_version_continues_in_the_other(archives, name):
         march(one, name, 0, 23)
         other.load(one.save())
         assert march(other, name, 23, 60).tobytes() == march(one, name, 23, 60).tobytes()
+
+
+@pytest.mark.parametrize("interface", ["ModelExchange", "CoSimulation"])
+@pytest.mark.parametrize("text", [BALL, SWITCH], ids=["ball", "switch"])
+def test_fmpys_own_simulation_finds_the_same_events_in_both_versions(tmp_path, text, interface):
+    results = []
+    for version in ("2", "3"):
+        archive = archive_of(tmp_path, text, fmi=version)
+        results.append(simulate_fmu(str(archive.path), stop_time=1.2, output_interval=0.01, fmi_type=interface))
+        archive.close()
+    assert results[0].dtype == results[1].dtype and results[0].tobytes() == results[1].tobytes()
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_in_the_initialisation_a_relation_is_what_the_start_values_make_it(tmp_path, version):
+    archive = archive_of(tmp_path, SWITCH, fmi=version)
+    with archive.initialization_mode() as instance:
+        assert instance.get("der(x)") == -1.0
+        instance.set(level=2.0)
+        assert instance.get("der(x)") == -0.5
+    archive.close()
