@@ -13,7 +13,8 @@ import casadi as ca
 
 from pipeline.errors import ExportError
 from pipeline.export.equations import INTERNAL_STEP, Model, column
-from pipeline.export.events import Events, Relation
+from pipeline.export.events import Events
+from pipeline.export.relations import Relation
 from pipeline.export.variables import Variable
 
 
@@ -67,8 +68,14 @@ def resolve_events(events: Events, resolve) -> Events:
     """The events with `resolve` applied to their expressions."""
     return replace(
         events,
-        relations=[Relation(resolve(relation.truth), resolve(relation.indicator)) for relation in events.relations],
+        relations=[resolve_relation(relation, resolve) for relation in events.relations],
         z=resolve(events.z),
         x=resolve(events.x),
         violated=resolve(events.violated),
     )
+
+
+def resolve_relation(relation: Relation, resolve) -> Relation:
+    """The relation with `resolve` applied to its expressions."""
+    instant = None if relation.instant is None else resolve(relation.instant)
+    return replace(relation, truth=resolve(relation.truth), indicator=resolve(relation.indicator), instant=instant)

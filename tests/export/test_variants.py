@@ -103,6 +103,20 @@ def test_what_is_calculated_or_starts_from_such_a_parameter_follows_the_input(tm
     assert check(archive, mode).any()
 
 
+def test_a_time_event_that_follows_from_such_a_parameter_follows_the_input(tmp_path):
+    text = """model M parameter Real T=0.4; parameter Real half=T/2; Real x(start=0, fixed=true);
+      equation der(x) = if time >= half then 1 else 0; end M;"""
+    archive = Archive(
+        write_fmu(with_inputs(model_of(tmp_path, text), ["T"]), tmp_path / "M.fmu"), tmp_path / "unpacked"
+    )
+    with archive.model_exchange() as instance:
+        assert instance.next_event == pytest.approx(0.2)
+        assert instance.event(T=1.0) == pytest.approx(0.5)
+    with archive.co_simulation(T=1.0) as instance:
+        instance.step(0.0, 0.8)
+        assert instance.get("x") == pytest.approx([0.3], abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
