@@ -91,7 +91,8 @@ class ExcitationSettings(Settings):
 
     q, qd, qdd [rad or m, and s], tau [N.m or N]: largest sizes, of the plan and of the simulated closed loop;
     condition_number_W, condition_number_Phi: caps; sigma_tau [N.m or N]: the torque's noise per sample (default: that
-    of [simulation], else 1). The search: random `starts`, `iterations` of each stage, `grid` [Hz]: how finely the
+    of [simulation], else 1); slow [qd's unit]: below half of it dry friction is not counted on to have its whole size,
+    which makes the design turn round fast (default: 5 % of qd). The search: random `starts`, `iterations` of each stage, `grid` [Hz]: how finely the
     objective looks (limits are checked at 1 kHz). validation: the segments of the validation run, where they differ.
     """
 
@@ -104,6 +105,7 @@ class ExcitationSettings(Settings):
     condition_number_W: Positive | None = None
     condition_number_Phi: Positive | None = None
     sigma_tau: tuple[Positive, ...] = ()
+    slow: tuple[Positive, ...] = ()
     starts: Count = 4
     iterations: Count = 60
     grid: Positive = 10.0

@@ -32,6 +32,7 @@ class InverseModel:
         self.held = held or {}
         self._active = [i for i, name in enumerate(plant.binding.names) if name not in self.held]
         self.names = tuple(plant.binding.names[i] for i in self._active)
+        self._with_mass = self._active
 
     def __call__(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """D (N, n, p) and y0 (N, n) such that tau = D chi + y0, at q, qd, qdd (N, n).
@@ -46,7 +47,14 @@ class InverseModel:
 
         [D y0] = M qdd + rest(q, qd, M): D needs no further call of the FMU when only qdd changes.
         """
-        return self._by_parameter(lambda chi: self._inverse(self._response(q, np.zeros_like(q), chi)[1]))
+        return self._by_parameter(
+            lambda chi: self._inverse(self._response(q, np.zeros_like(q), chi)[1]), self._with_mass
+        )
+
+    def leave_friction_out_of_mass(self, q: np.ndarray) -> None:
+        """Let `mass` pass over the parameters that make no difference to it at q (N, n)."""
+        size = np.abs(self.mass(q)[..., :-1] * self._delta[self._active]).max(axis=(0, 1, 2))
+        self._with_mass = [i for i, s in zip(self._active, size, strict=True) if s > TOLERANCE * size.max()]
 
     def rest(self, q: np.ndarray, qd: np.ndarray, mass: np.ndarray) -> np.ndarray:
         """h (N, n, p + 1), the torque without acceleration per unit of each parameter, given mass = self.mass(q)."""
@@ -58,14 +66,17 @@ class InverseModel:
 
         return self._by_parameter(torque)
 
-    def _by_parameter(self, value: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """value(chi), linear in the active parameters, as (…, p + 1): its columns, and what chi = 0 leaves."""
+    def _by_parameter(self, value: Callable[[np.ndarray], np.ndarray], among: list[int] | None = None) -> np.ndarray:
+        """value(chi), linear in the active parameters, as (…, p + 1): its columns, and what chi = 0 leaves.
+
+        among: the parameters it depends on, if not on all.
+        """
         base = value(self._chi0)
-        columns = np.empty((*base.shape, len(self._active) + 1))
-        for column, i in enumerate(self._active):
+        columns = np.zeros((*base.shape, len(self._active) + 1))
+        for i in self._active if among is None else among:
             chi = self._chi0.copy()
             chi[i] += self._delta[i]
-            columns[..., column] = (value(chi) - base) / self._delta[i]
+            columns[..., self._active.index(i)] = (value(chi) - base) / self._delta[i]
         columns[..., -1] = base - columns[..., :-1] @ self._chi0[self._active]
         return columns
 

@@ -19,8 +19,6 @@ import numpy as np
 from pipeline.errors import IdentificationError
 from pipeline.simulate.trajectory import Limits, Waypoints, evaluate
 
-CELL = 0.05
-"""Of the limit of |qd|: between knots this far apart D is linear in qd, so that sgn(qd) has a slope to follow."""
 STEP = 1e-6
 """Of the limit of |q|: the difference by q."""
 KINEMATIC_POINTS = 50
@@ -39,14 +37,16 @@ class Affine(Protocol):
 class Task:
     """What is asked of a trajectory through K way-points at t (K,) s, at rest at both ends, starting from q = 0.
 
-    limits (n,) of |q|, |qd|, |qdd|, |tau|; margin (4, n), the share of them to use; chi (p,) a-priori values; scale
-    (p,) their sizes, none 0; sigma (n,) of the torque per sample; rate of the samples and of the grid that stands for
-    them, Hz; caps on both condition numbers.
+    limits (n,) of |q|, |qd|, |qdd|, |tau|; margin (4, n), the share of them to use; slow (n,), in qd's unit: D is taken
+    as linear in qd between knots this far apart, so that sgn(qd) has a slope to follow, and what is slower counts for
+    less; chi (p,) a-priori values; scale (p,) their sizes, none 0; sigma (n,) of the torque per sample; rate of the
+    samples and of the grid that stands for them, Hz; caps on both condition numbers.
     """
 
     t: np.ndarray
     limits: Limits
     margin: np.ndarray
+    slow: np.ndarray
     chi: np.ndarray
     scale: np.ndarray
     sigma: np.ndarray
@@ -78,7 +78,7 @@ class Objective:
         bounds = np.array([task.limits.q, task.limits.qd, task.limits.qdd, task.limits.tau], float)
         self.model, self.task = model, task
         self._limits, self._tau_limit = bounds[:3] * task.margin[:3], bounds[3] * task.margin[3]
-        self._steps = STEP * bounds[0], CELL * bounds[1], positions_that_matter(model, bounds)
+        self._steps = STEP * bounds[0], np.asarray(task.slow), positions_that_matter(model, bounds)
         self._free = np.r_[1:K, K + 1 : 2 * K - 1, 2 * K + 1 : 3 * K - 1]
         points = int(np.ceil(duration * task.grid))
         self._weight = task.rate * duration / points / np.square(task.sigma)

@@ -31,6 +31,7 @@ QUANTITIES = ("q", "qd", "qdd", "tau")
 CHECK_RATE = 1000.0  # Hz
 MARGIN = 0.99  # of limits and caps: a squared hinge gives way a little
 ROUNDS = 8
+SLOW = 0.05  # of the limit of |qd|
 OVERDO = 1.002  # by how much more than it was left a limit or a cap is shrunk
 DECIMALS = 4  # of way-points: finer than any robot follows
 
@@ -173,9 +174,11 @@ def _settings(session: Session) -> ExcitationSettings:
 def _inverse_model(session: Session, settings: ExcitationSettings) -> Iterator[InverseModel]:
     """The probed inverse model, its structure tested at random points within the limits."""
     rng, binding = np.random.default_rng(session.experiment.seed), session.binding
-    motion = (rng.uniform(-1.0, 1.0, (50, binding.n)) * getattr(settings, name) for name in QUANTITIES[:3])
+    motion = [rng.uniform(-1.0, 1.0, (50, binding.n)) * getattr(settings, name) for name in QUANTITIES[:3]]
     with open_plant(binding, "probe") as plant:
-        yield probe(plant, *motion)
+        model = probe(plant, *motion)
+        model.leave_friction_out_of_mass(motion[0])
+        yield model
 
 
 def _task(session: Session, settings: ExcitationSettings, validation: bool, model: InverseModel) -> Task:
@@ -186,6 +189,7 @@ def _task(session: Session, settings: ExcitationSettings, validation: bool, mode
         t=run.segment * np.arange(run.segments + 1),
         limits=Limits(settings.q, settings.qd, settings.qdd, settings.tau),
         margin=np.full((4, binding.n), MARGIN),
+        slow=np.array(settings.slow or [SLOW * limit for limit in settings.qd]),
         chi=chi,
         scale=np.where(chi == 0.0, binding.select(binding.scale, model.names), np.abs(chi)),
         sigma=_sigma_tau(session, settings),

@@ -141,8 +141,8 @@ def _check_sizes(session: Session) -> None:
         _check_truth(session)
     if e.excitation is not None:
         sized += [(f"excitation.{key}", getattr(e.excitation, key), n) for key in ("q", "qd", "qdd", "tau")]
-        if e.excitation.sigma_tau:
-            sized.append(("excitation.sigma_tau", e.excitation.sigma_tau, n))
+        optional = [key for key in ("sigma_tau", "slow") if getattr(e.excitation, key)]
+        sized += [(f"excitation.{key}", getattr(e.excitation, key), n) for key in optional]
     if e.ekf is not None:
         sized.append(("ekf.P0_state", e.ekf.P0_state, 2 * n))
         for case in e.ekf.case:

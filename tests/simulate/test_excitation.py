@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.errors import IdentificationError
-from pipeline.simulate import excitation
 from pipeline.simulate.excitation import Objective, Task, criterion, expand, hinge, positions_that_matter
 from pipeline.simulate.excitation_search import FULL, Search
 from pipeline.simulate.trajectory import Limits, sample
@@ -20,6 +19,7 @@ TASK = Task(
     t=1.25 * np.arange(7),
     limits=Limits((2.4, 2.4), (2.6, 6.0), (4.5, 45.0), (16.0, 3.0)),
     margin=np.full((4, 2), 0.9),
+    slow=np.array([0.13, 0.3]),
     chi=TRUTH,
     scale=SCALE,
     sigma=SIGMA,
@@ -76,10 +76,9 @@ def test_a_parameter_that_nothing_excites_is_refused():
         criterion(D, np.ones(2), TASK, 1.0)
 
 
-def test_the_objective_is_the_whole_records_log_determinant(monkeypatch):
+def test_the_objective_is_the_whole_records_log_determinant():
     """On the samples' own grid, and with sgn(qd) all but sharp: half a sample's shift is all that parts them."""
-    monkeypatch.setattr(excitation, "CELL", 1e-5)
-    objective = Objective(Affine(), replace(TASK, grid=100.0))
+    objective = Objective(Affine(), replace(TASK, grid=100.0, slow=np.full(2, 1e-4)))
     for seed in range(5):
         x = 0.8 * objective.start(np.random.default_rng(seed))
         motion = sample(objective.waypoints(x), 100.0)
