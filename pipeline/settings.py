@@ -92,8 +92,9 @@ class ExcitationSettings(Settings):
     q, qd, qdd [rad or m, and s], tau [N.m or N]: largest sizes, of the plan and of the simulated closed loop;
     condition_number_W, condition_number_Phi: caps; sigma_tau [N.m or N]: the torque's noise per sample (default: that
     of [simulation], else 1); slow [qd's unit]: below half of it dry friction is not counted on to have its whole size,
-    which makes the design turn round fast (default: 5 % of qd). The search: random `starts`, `iterations` of each stage, `grid` [Hz]: how finely the
-    objective looks (limits are checked at 1 kHz). validation: the segments of the validation run, where they differ.
+    which makes the design turn round fast (default: 5 % of qd). The search: random `starts`, `iterations` of each
+    stage, `grid` [Hz]: how finely the objective looks (limits are checked at 1 kHz). validation: the segments of the
+    validation run, where they differ.
     """
 
     q: tuple[Positive, ...]

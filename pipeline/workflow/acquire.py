@@ -14,7 +14,7 @@ from pipeline.signals.cutoffs import check_border
 from pipeline.simulate.closed_loop import LoopPorts, simulate_closed_loop
 from pipeline.simulate.measured import FRAME_COLUMN, ColumnSettings, read_measured, with_force
 from pipeline.simulate.sensors import draw_noise
-from pipeline.simulate.trajectory import read_waypoints, reference_frame, sample
+from pipeline.simulate.trajectory import Limits, check_limits, read_waypoints, reference_frame, sample
 from pipeline.workflow.session import Session
 
 MIN_SAMPLES = 200
@@ -40,9 +40,18 @@ def simulate(session: Session, validation: bool = False, noisy: bool = True) -> 
 
 
 def reference_of(session: Session, validation: bool = False) -> pd.DataFrame:
-    """The stored trajectory as the controller's reference, sampled at the data's rate."""
-    settings = session.experiment.simulation
-    return reference_frame(sample(read_waypoints(_waypoints(session)[validation]), settings.rate))
+    """The stored trajectory as the controller's reference, sampled at the data's rate.
+
+    Raises DataError where it leaves the limits of [excitation] (those of tau were checked as it was designed).
+    """
+    path, limits = _waypoints(session)[validation], session.experiment.excitation
+    waypoints = read_waypoints(path)
+    if limits is not None:
+        try:
+            check_limits(waypoints, Limits(limits.q, limits.qd, limits.qdd))
+        except DataError as error:
+            raise DataError(f"{path.name}: {error} in [excitation]") from None
+    return reference_frame(sample(waypoints, session.experiment.simulation.rate))
 
 
 def run_loop(session: Session, reference: pd.DataFrame, chi: np.ndarray, noise=None, qd_start=None) -> pd.DataFrame:

@@ -20,6 +20,11 @@ def at_most(name: str, measured: float, limit: float) -> Figure:
     return Figure(name, f"≤ {limit:g}", f"{measured:.3g}", bool(measured <= limit))
 
 
+def at_least(name: str, measured: float, limit: float) -> Figure:
+    """measured ≥ limit."""
+    return Figure(name, f"≥ {limit:g}", f"{measured:.6g}", bool(measured >= limit))
+
+
 def below(name: str, measured: float, limit: float) -> Figure:
     """measured < limit."""
     return Figure(name, f"< {limit:g}", f"{measured:.3g}", bool(measured < limit))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from time import perf_counter, process_time
 from unittest.mock import patch
 
 import numpy as np
@@ -16,16 +17,19 @@ from pipeline.paths import built_fmu
 from pipeline.plant.fmu import open_fmu
 from pipeline.records import OK, Estimate
 from pipeline.simulate.closed_loop import simulate_closed_loop_fmu
+from pipeline.simulate.trajectory import read_waypoints, waypoints_text
 from pipeline.workflow.acquire import reference_of, simulate
 from pipeline.workflow.batch import Batch, open_inverse_model, reference_excitation, run_variant
+from pipeline.workflow.exciting import excite
 from pipeline.workflow.filtering import run_case
 from pipeline.workflow.loop import follow_loop
 from pipeline.workflow.session import Session, open_session
 from tests.closed_form import regressor
-from tests.figures.figure import Figure, at_most, below, between, yes
+from tests.figures.figure import Figure, at_least, at_most, below, between, yes
 
 SEEDS = range(1, 21)
 NAMES = ("ZZR1", "Fv1", "Fs1", "ZZ2", "LMX2", "LMY2", "Fv2", "Fs2")
+PREVIOUS = 70.4156
 ESSENTIAL = {"ZZR1", "Fs1", "ZZ2", "LMX2", "Fv2", "Fs2"}
 
 
@@ -33,6 +37,7 @@ def measure(seeds=SEEDS) -> Iterator[Figure]:
     """Every figure of the SCARA, as it is measured."""
     session = session_of()
     yield from excitation_figures(session)
+    yield from design_figures(session)
     yield closed_loop_figure(session)
     yield from wls_figures("disturbed", seeds)
     yield from wls_figures("clean", seeds)
@@ -62,6 +67,24 @@ def excitation_figures(session: Session) -> list[Figure]:
         at_most("cond(W_w), reference trajectory", found.condition_number_W, 250.0),
         at_most(f"cond(Phi), reference trajectory, without {left_out}", found.condition_number_Phi, 160.0),
         at_most("probed regressor − closed form, of max|D|", np.max(np.abs(D - exact)) / np.max(np.abs(exact)), 1e-9),
+    ]
+
+
+def design_figures(session: Session) -> list[Figure]:
+    """`fmuid excite scara` as shipped: what it takes and what it gives, beside the design that was stored before it.
+
+    PREVIOUS: the log det of scara_identification.csv at commit 22226b8, by the closed form.
+    """
+    wall, start = perf_counter(), process_time()
+    design = excite(session)
+    wall, cpu = perf_counter() - wall, process_time() - start
+    stored = read_waypoints(session.folder / session.experiment.simulation.identification)
+    same = waypoints_text(design.waypoints) == waypoints_text(stored)
+    return [
+        at_least("fmuid excite: log det of the relative information", design.log_det, PREVIOUS),
+        at_most(f"fmuid excite: CPU s ({wall:.0f} s on the wall)", cpu, 60.0),
+        at_most("fmuid excite: share of its limits used, closed loop included", float(design.used.max()), 1.0),
+        yes("fmuid excite: gives the stored trajectory", same, "the same file" if same else "another", "the same file"),
     ]
 
 

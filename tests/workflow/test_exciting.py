@@ -10,6 +10,7 @@ from pipeline.errors import ConfigError, DataError, FmuError, IdentificationErro
 from pipeline.paths import EXPERIMENTS
 from pipeline.simulate.trajectory import Limits, check_limits, sample, waypoints_text
 from pipeline.workflow import exciting
+from pipeline.workflow.acquire import simulate
 from pipeline.workflow.exciting import check_output, excite
 from pipeline.workflow.session import open_session
 from tests.closed_form import TRUTH, inverse_model, regressor
@@ -154,12 +155,15 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_search(tmp_path)
             check_output(str(wrong))
 
 
+def test_a_stored_trajectory_beyond_the_limits_is_refused(fmus):
+    with pytest.raises(DataError, match=r"scara_identification.csv: trajectory: joint 2 .* qd = .*its limit is 3; "):
+        simulate(open_session("scara", ["excitation.qd=[2.8, 3.0]"]))
+
+
 def test_what_is_built_is_found_again(small, tmp_path, fmus):
     """The design's file is one that an experiment can name."""
     shutil.copy(EXPERIMENTS / "scara.toml", tmp_path / "mine.toml")
     (tmp_path / "scara_validation.csv").write_text(waypoints_text(small.waypoints))
     (tmp_path / "scara_identification.csv").write_text(waypoints_text(small.waypoints))
-    from pipeline.workflow.acquire import simulate
-
     frame = simulate(open_session(str(tmp_path / "mine.toml")))
     assert len(frame) == 1001
