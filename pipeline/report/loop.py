@@ -11,7 +11,7 @@ from pipeline.report.run import Run
 from pipeline.report.text import DASH, number
 from pipeline.units import unit_text
 
-MARKS = (("f_dyn, fastest pose", 1.0, 1), ("2 f_dyn, slowest pose", 2.0, 0), ("5 f_dyn, fastest pose", 5.0, 1))
+FACTORS = (("f_dyn", 1.0), ("2 f_dyn", 2.0), ("5 f_dyn", 5.0))
 
 
 def margins(run: Run) -> Html | None:
@@ -26,8 +26,8 @@ def margins(run: Run) -> Html | None:
     heads = ("", "bandwidth in Hz", "phase margin", "at", "gain margin", "modulus margin", "worst at q")
     head = [tag("th", h, scope="col") for h in heads]
     caption = (
-        f"f_dyn = {_range(*found['f_dyn'])} Hz: the largest −3 dB bandwidth of a joint (reference to position)"
-        f" at {len(configurations)} configurations spread over the motion. Plant and controller FMU are linearised"
+        f"f_dyn = {number(found.get('f_dyn'), 3)} Hz: the largest −3 dB bandwidth of a joint (reference to position), the"
+        f" median of that at {len(configurations)} configurations spread over the motion. Plant and controller FMU are linearised"
         " at rest, Coulomb friction off, the input held over each period. Margins: each joint's loop broken"
         " at the plant's input, the others closed; the worst configuration. Good: a phase margin above 45°, a modulus"
         " margin above 0.5. Bad: below 30°, where the loop rings, and the record with it."
@@ -64,8 +64,7 @@ def filters(run: Run) -> Html | None:
     ]
     head = [tag("th", h, scope="col") for h in ("", "position filter", "parallel filter", "decimation")]
     caption = (
-        "Cut-offs that are not set follow the loop: 5 times the f_dyn of the fastest pose for the position, 2"
-        " times that of the slowest for the parallel filter. Good:"
+        "Cut-offs that are not set follow the loop: 5 f_dyn for the position, 2 f_dyn for the parallel filter. Good:"
         " the position filter well above the loop's bandwidth, the parallel one about twice it, the decimated Nyquist"
         " above that. Bad: a position filter that cuts the motion (bias), a parallel one that lets noise pass."
     )
@@ -95,9 +94,9 @@ def _gain_panel(run: Run, found: dict, curves: dict, joint: int) -> Panel:
     bandwidth = [c["bandwidth"][joint] for c in found["configurations"]]
     bottom, top = -45.0, max(6.0, 1.1 * float(high.max()))
     marks = [
-        Line(label, np.full(2, factor * found["f_dyn"][pose]), np.array([bottom, top]), "prior", dash=True)
-        for label, factor, pose in MARKS
-        if factor * found["f_dyn"][pose] <= f[-1]
+        Line(label, np.full(2, factor * found["f_dyn"]), np.array([bottom, top]), "prior", dash=True)
+        for label, factor in FACTORS
+        if factor * found["f_dyn"] <= f[-1]
     ]
     return Panel(
         key=f"loop-{joint + 1}",

@@ -6,17 +6,14 @@ from msgspec.structs import replace
 
 from pipeline.errors import ConfigError
 from pipeline.settings import Filter, WlsSettings
-from pipeline.signals.filters import CHEBYSHEV_BAND, cutoff_frequency
+from pipeline.signals.filters import cutoff_frequency
 
 POSITION, PARALLEL = 5.0, 2.0
 """Cut-offs of the position filter and of the parallel filter, in multiples of f_dyn (Gautier & Poignet 2001, 5.1)."""
-MARGIN = 1.0 / CHEBYSHEV_BAND
-"""Least ratio of the decimated Nyquist frequency to a cut-off, that of the usual decimation filter: nearer, the rows
-fold the steep end of the noise and their residual is coloured."""
+MARGIN = 1.15
+"""Least ratio of the decimated Nyquist to a parallel cut-off: there 4th-order zero-phase is down to a quarter."""
 DIGITS = 3
 """Significant digits of a cut-off that follows the loop: who sets the printed number gets the same filter."""
-
-SOURCES = {"position": f"{POSITION:g} f_dyn, fastest pose", "parallel": f"{PARALLEL:g} f_dyn, slowest pose"}
 
 
 def follows_loop(settings: WlsSettings) -> bool:
@@ -24,23 +21,20 @@ def follows_loop(settings: WlsSettings) -> bool:
     return _open(settings.position) or _open(settings.parallel)
 
 
-def resolve(settings: WlsSettings, rate: float, f_dyn: tuple[float, float] | None = None) -> WlsSettings:
+def resolve(settings: WlsSettings, rate: float, f_dyn: float | None = None) -> WlsSettings:
     """The variant with every number in its place, for data at `rate` (Hz) from a loop of bandwidth f_dyn (Hz).
 
-    f_dyn: of the slowest and of the fastest pose. Each filter stays on its safe side: the position filter passes the
-    motion of the fastest, which it would bias; the parallel filter stops the noise outside the slowest.
     Raises ConfigError where a cut-off is not below Nyquist, or the parallel cut-off above the decimated Nyquist.
     """
     if f_dyn is None and follows_loop(settings):
         raise ConfigError(f"{settings.name}: a filter without a cut-off needs [controller] to take it from; set it")
-    slowest, fastest = f_dyn or (None, None)
-    if _open(settings.position) and POSITION * fastest >= 0.5 * rate:
+    if _open(settings.position) and POSITION * f_dyn >= 0.5 * rate:
         raise ConfigError(
-            f"{settings.name}: {POSITION:g} f_dyn = {POSITION * fastest:.3g} Hz, from the closed loop, is not below "
+            f"{settings.name}: {POSITION:g} f_dyn = {POSITION * f_dyn:.3g} Hz, from the closed loop, is not below "
             f"Nyquist, {0.5 * rate:g} Hz; record faster or set the position filter's cut-off"
         )
-    position = _filled(settings.position, POSITION, fastest)
-    parallel = _filled(settings.parallel, PARALLEL, slowest)
+    position = _filled(settings.position, POSITION, f_dyn)
+    parallel = _filled(settings.parallel, PARALLEL, f_dyn)
     decimation = settings.decimation or _largest(parallel, rate)
     found = replace(settings, position=position, parallel=parallel, decimation=decimation)
     check_cutoffs(found, rate)
@@ -74,20 +68,20 @@ def check_border(name: str, border: tuple[int, int], samples: int) -> None:
 def described(settings: WlsSettings, resolved: WlsSettings, rate: float) -> dict:
     """Of each number of a resolved variant: its value, in Hz or samples, and where it comes from."""
     found = {}
-    for which, source in SOURCES.items():
+    for which, factor in (("position", POSITION), ("parallel", PARALLEL)):
         kind = getattr(resolved, which)
         value = None if kind.kind == "none" else cutoff_frequency(rate, kind, resolved.decimation)
-        found[which] = {"value": value, "source": _source(getattr(settings, which), source)}
+        found[which] = {"value": value, "source": _source(getattr(settings, which), factor)}
     source = "set" if settings.decimation else "largest for the parallel cut-off"
     return {**found, "decimation": {"value": resolved.decimation, "source": source}}
 
 
-def _source(settings: Filter, followed: str) -> str:
+def _source(settings: Filter, factor: float) -> str:
     if settings.kind == "none":
         return "no filter"
     if settings.kind == "decimate":
         return "0.8 of the decimated Nyquist"
-    return followed if _open(settings) else "set"
+    return f"{factor:g} f_dyn" if _open(settings) else "set"
 
 
 def _open(settings: Filter) -> bool:
@@ -103,6 +97,6 @@ def _filled(settings: Filter, factor: float, f_dyn: float | None) -> Filter:
 
 
 def _largest(parallel: Filter, rate: float) -> int:
-    """The largest decimation whose Nyquist frequency is MARGIN times the cut-off: the most independent rows."""
+    """The largest decimation whose Nyquist frequency is MARGIN times the cut-off: rows as independent as can be."""
     cutoff = _cutoff(parallel)
     return 1 if cutoff is None else max(1, int(0.5 * rate / (MARGIN * cutoff)))

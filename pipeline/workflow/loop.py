@@ -22,16 +22,16 @@ CONFIGURATIONS = 9
 
 @dataclass(frozen=True)
 class LoopStage:
-    """The loop at each configuration (plants and responses side by side), f_dyn (Hz), and each variant's numbers.
+    """The loop at each configuration (plants and responses side by side), f_dyn in Hz, and each variant's numbers.
 
-    f_dyn is the largest bandwidth of a joint in a configuration, here that of the slowest and of the fastest one. Where
-    there is no loop to analyse, `reason` says why and f_dyn is None. filters: by WLS variant the value and the source
-    of both cut-offs and of the decimation.
+    f_dyn is the largest bandwidth of a joint, in the middle (the median) of the configurations: the extreme poses are
+    some that the motion hardly visits. Where there is no loop to analyse, `reason` says why and f_dyn is None. filters:
+    by WLS variant the value and the source of both cut-offs and of the decimation.
     """
 
     plants: tuple[LinearPlant, ...]
     responses: tuple
-    f_dyn: tuple[float, float] | None
+    f_dyn: float | None
     filters: dict[str, dict]
     reason: str = ""
 
@@ -45,8 +45,7 @@ def follow_loop(session: Session, frame: pd.DataFrame) -> tuple[Session, LoopSta
     plants, responses, f_dyn, reason = (), (), None, ""
     try:
         plants, responses = analyse_loop(session, frame)
-        largest = [float(r.bandwidth.max()) for r in responses]
-        f_dyn = min(largest), max(largest)
+        f_dyn = float(np.median([r.bandwidth.max() for r in responses]))
     except FmuidError as error:
         reason = str(error)
         needy = [w.name for w in variants if follows_loop(w)]

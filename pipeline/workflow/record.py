@@ -66,7 +66,7 @@ def loop_entry(session: Session, loop: LoopStage) -> dict:
         for p, r in zip(loop.plants, loop.responses, strict=True)
     ]
     f = loop.responses[0].f
-    drawn = f > 0.01 * loop.f_dyn[1]
+    drawn = f > 0.01 * loop.f_dyn
     gain = np.array([r.gain[drawn] for r in loop.responses])
     curves = {
         "f": f[drawn],

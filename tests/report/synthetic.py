@@ -286,7 +286,7 @@ def _loop(joints, f_dyn, names):
         "decimation": {"value": 10, "source": "largest for the parallel cut-off"},
     }
     return {
-        "f_dyn": [f_dyn, 1.2 * f_dyn],
+        "f_dyn": f_dyn,
         "reason": "",
         "filters": dict.fromkeys(names, filters),
         "configurations": [one, two],
