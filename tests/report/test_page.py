@@ -197,7 +197,7 @@ def test_a_broken_folder_is_one_line(tmp_path):
 def test_the_loop_shows_the_worst_margins_and_where_each_cutoff_comes_from(texts):
     text = words(section(texts["scara"], "loop"))
     assert "Joint 2 2.11 to 2.53 39.9° 2.11 Hz 8.30 (18.4 dB) 0.61 2.4, 2.4 rad" in text
-    assert "f_dyn = 2.11 Hz" in text and "at 2 configurations" in text
+    assert "f_dyn = 2.11 Hz" in text and "median over 2 configurations" in text
     assert "WLS(3) 10.6 Hz, 5 f_dyn 4.22 Hz, set 1 of 10, largest for the parallel cut-off" in text
     assert "28.8 to 34.6" in words(section(texts["emps"], "loop"))
 
