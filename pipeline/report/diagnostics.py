@@ -49,30 +49,30 @@ def _filter_row(run: Run, name: str, tests: dict, joints: Sequence[int]) -> list
 
 def jacobians(run: Run) -> Html | None:
     """By filter the transition, how its Jacobian was computed, and how far that is from another way."""
-    found = {n: e["jacobian"] for n, e in run.estimates.items() if e.get("jacobian")}
-    if not found:
+    ways: dict[tuple, list[str]] = {}
+    for name, estimate in run.estimates.items():
+        if jacobian := estimate.get("jacobian"):
+            transition = (estimate.get("settings") or {}).get("transition")
+            way = (transition, *(jacobian.get(key) for key in ("used", "against", "difference", "reason")))
+            ways.setdefault(way, []).append(name)
+    if not ways:
         return None
-    labels = ("Filter", "Transition", "Jacobian", "compared with", "largest difference", "Remark")
+    labels = ("Filters", "Transition", "Jacobian", "compared with", "largest difference", "Remark")
     head = [tag("th", h, scope="col") for h in labels]
     caption = (
         "The difference is relative to the largest entry of its column over ten points of the motion, seen before the"
         " filter ran. Good: 1e-5 or less. Directional derivatives are the FMU's own, by states and inputs; columns of"
         " parameters are forward differences, unless the FMU has its parameters as inputs."
     )
-    return table("Jacobians of the filters", [head], [_jacobian_row(run, n, j) for n, j in found.items()], caption)
+    return table("Jacobians of the filters", [head], [_jacobian_row(n, w) for w, n in ways.items()], caption)
 
 
-def _jacobian_row(run: Run, name: str, jacobian: dict) -> Html:
-    difference = jacobian.get("difference")
-    cells = [tag("th", name, scope="row")]
-    words = (
-        (run.estimates[name].get("settings") or {}).get("transition"),
-        jacobian.get("used"),
-        jacobian.get("against"),
-    )
-    cells += [tag("td", word or DASH, class_="text") for word in words]
+def _jacobian_row(names: list[str], way: tuple) -> Html:
+    transition, used, against, difference, reason = way
+    cells = [tag("th", ", ".join(names), scope="row")]
+    cells += [tag("td", word or DASH, class_="text") for word in (transition, used, against)]
     cells.append(_cell(DASH if difference is None else number(difference, 2)))
-    return tag("tr", cells, tag("td", jacobian.get("reason") or DASH, class_="text"))
+    return tag("tr", cells, tag("td", reason or DASH, class_="text"))
 
 
 def residual_tests(run: Run) -> Html | None:

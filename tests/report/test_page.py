@@ -210,3 +210,14 @@ def test_a_loop_that_could_not_be_analysed_says_why():
     assert "No loop was analysed: the experiment has no [controller]." in text and "WLS(house)" in text
     del record["loop"]
     assert not any(e.get("id") == "loop" for e in tree(page(record, signals)).iter("section"))
+
+
+def test_filters_that_differentiate_alike_share_a_row():
+    record, signals = synthetic.scara()
+    one = {"used": "directional", "against": "central", "difference": 3.2e-6, "reason": ""}
+    for name in ("EKF(2)", "EKF(3)"):
+        record["estimates"][name]["jacobian"] = one
+    record["estimates"]["EKF(3) known"]["jacobian"] = {**one, "used": "forward", "reason": "the FMU provides none"}
+    text = words(section(page(record, signals), "innovations"))
+    assert "EKF(2), EKF(3) – directional central 3.2e−6 –" in text
+    assert "EKF(3) known – forward central 3.2e−6 the FMU provides none" in text
