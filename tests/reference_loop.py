@@ -24,10 +24,10 @@ SEEDS = tuple(range(60))
 CASES = ("disturbed", "clean")
 IDENTIFICATION, VALIDATION = EXPERIMENTS / "scara_identification.csv", EXPERIMENTS / "scara_validation.csv"
 
-# Table 1 of the paper: no filter; forward filters only; zero-phase filters and decimation.
+# Table 1 of the paper: no filter; forward filters only; zero-phase filters, as they follow the loop, and decimation.
 WLS_1 = WlsSettings("WLS(1)", Filter("none"), Filter("none"), 1)
 WLS_2 = WlsSettings("WLS(2)", Filter("forward", 10.0), Filter("forward", 4.0), 10, (30, 30))
-WLS_3 = WlsSettings("WLS(3)", Filter("zero-phase", 15.0), Filter("zero-phase", 4.0), 10, (30, 30))
+WLS_3 = WlsSettings("WLS(3)", Filter("zero-phase", 10.6), Filter("zero-phase", 4.25), 10, (30, 30))
 
 
 def _rk4(q, qd, tau, dt, steps, eps):

@@ -46,9 +46,10 @@ def test_is_the_weighted_least_squares_of_numpy():
 
 def test_the_half_sample_matters():
     late = msgspec.structs.replace(WLS_3, half_sample=False)
-    aligned, shifted = (np.mean(column(estimates("disturbed", s), "Fv1")) for s in (WLS_3, late))
-    assert abs(aligned - 0.07) < 0.03
-    assert shifted < 0.0
+    aligned, shifted = (column(estimates("disturbed", s), "Fv1") for s in (WLS_3, late))
+    scatter = aligned.std() / np.sqrt(len(aligned))
+    assert abs(aligned.mean() - 0.07) < 3 * scatter
+    assert shifted.mean() < 0.07 - 5 * scatter
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -94,7 +95,8 @@ def test_without_noise_only_the_filters_and_the_smooth_friction_remain():
     frame = simulate(sample(read_waypoints(IDENTIFICATION), RATE), [0], [True], scale=0.0)[0]
     found = wls(system(frame), "noise-free", UNITS).theta
     assert found[INDEX["ZZR1"]] == pytest.approx(3.42, rel=1e-3)
-    np.testing.assert_allclose(found, TRUTH, rtol=0.2, atol=1e-4)
+    sigma = wls(system(records("disturbed")[0]), "noisy", UNITS).sigma
+    assert (np.abs(found - TRUTH) < sigma).all(), "less than noise leaves"
 
 
 def test_a_smooth_friction_column_is_another_regressor():
