@@ -107,10 +107,10 @@ def _simulate(arguments: argparse.Namespace) -> int:
     session = _session(arguments)
     prepare(session, (arguments.validation,))
     frame = acquire(session, validation=arguments.validation)
+    if arguments.output or not arguments.json:
+        write_frame(frame, frame_units(session.binding), arguments.output or sys.stdout)
     if arguments.json:
         print(json.dumps({"time": list(frame.index), **{c: list(frame[c]) for c in frame}}))
-    else:
-        write_frame(frame, frame_units(session.binding), arguments.output or sys.stdout)
     return 0
 
 

@@ -49,6 +49,12 @@ def test_a_missing_compiler_is_one_line(tmp_path):
     assert result.stderr.startswith("fmuid: ") and "compiler" in result.stderr.splitlines()[-1]
 
 
+def test_simulate_gives_json_and_the_file_that_was_asked_for(fmus, tmp_path):
+    result = fmuid("simulate", "scara", "--json", "--output", str(tmp_path / "run.csv"))
+    rows = (tmp_path / "run.csv").read_text().splitlines()
+    assert result.returncode == 0 and len(json.loads(result.stdout)["time"]) == len(rows) - 1
+
+
 def test_simulate_gives_json_and_csv(fmus):
     result = fmuid("simulate", "scara", "--json")
     frame = json.loads(result.stdout)

@@ -1,7 +1,7 @@
 """The extended Kalman filter of the augmented state z = [qd, q, h, chi], its transition computed by the plant FMU.
 
-(Gautier & Poignet 2001, section 3.) The Jacobian comes from finite differences through the plant; the covariance
-is kept in the Joseph form or as UDUᵀ.
+(Gautier & Poignet 2001, section 3.) The Jacobian comes from the FMU's directional derivatives or from differences
+through the plant; the covariance is kept in the Joseph form or as UDUᵀ.
 """
 
 from __future__ import annotations

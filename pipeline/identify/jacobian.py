@@ -80,9 +80,23 @@ def _differences(plant, s, chi, u, t: float, dt: float, mode: str, f: np.ndarray
 
 
 def disagreement(plant, points: Iterable[Point], mode: str, other: str) -> float:
-    """How far two modes are apart: the largest difference in a column over its largest entry, over all points."""
+    """How far two modes are apart, at worst over points: relative, and by columns; inf where that is no number.
+
+    State columns are compared as rates (A − I)/dt, since the identity in A would hide the plant; rates below 1 count as
+    1. The other columns are relative to their largest entry over all points.
+    """
+    points = list(points)
     pairs = [[linearise(plant, p.s, p.chi, p.u, p.t, p.dt, m) for m in (mode, other)] for p in points]
-    J, K = (np.array([np.hstack([x.A, x.B, x.C]) for x in models]) for models in zip(*pairs, strict=True))
-    apart, size = np.abs(J - K).max(axis=(0, 1)), np.abs(K).max(axis=(0, 1))
+    rates = [
+        _apart(*((m.A - np.eye(len(m.A))) / p.dt for m in pair), 1.0) for p, pair in zip(points, pairs, strict=True)
+    ]
+    J, K = (np.vstack([np.hstack([m.B, m.C]) for m in models]) for models in zip(*pairs, strict=True))
+    worst = max(*rates, _apart(J, K, 0.0))
+    return worst if np.isfinite(worst) else np.inf
+
+
+def _apart(J: np.ndarray, K: np.ndarray, least: float) -> float:
+    """The largest entry of a column of J − K over that of K's, which counts as `least` where it is smaller."""
+    apart, size = np.abs(J - K).max(axis=0), np.maximum(np.abs(K).max(axis=0), least)
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.max(np.where(apart == 0.0, 0.0, apart / size)))

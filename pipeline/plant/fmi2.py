@@ -26,7 +26,11 @@ class Fmi2:
         self._fmu = KINDS[interface](
             guid=description.guid, modelIdentifier=offered.modelIdentifier, unzipDirectory=folder, instanceName=name
         )
-        self._fmu.instantiate(callbacks=callbacks)
+        try:
+            self._fmu.instantiate(callbacks=callbacks)
+        except Exception:  # bare Exception of fmpy: no instance, and no use for its library
+            self._fmu.freeLibrary()
+            raise
         self.instance, self._dll = self._fmu.component, self._fmu.dll
         self.get, self.set = self._dll.fmi2GetReal, self._dll.fmi2SetReal
         if interface == "ME":

@@ -23,7 +23,11 @@ class Fmi3:
         self._fmu = KINDS[interface](
             guid=description.guid, modelIdentifier=offered.modelIdentifier, unzipDirectory=folder, instanceName=name
         )
-        self._fmu.instantiate(logMessage=lambda environment, status, category, message: keep(log, message))
+        try:
+            self._fmu.instantiate(logMessage=lambda environment, status, category, message: keep(log, message))
+        except Exception:  # bare Exception of fmpy: no instance, and no use for its library
+            self._fmu.freeLibrary()
+            raise
         self.instance, self._dll = self._fmu.component, self._fmu.dll
         self.get, self.set = self._dll.fmi3GetFloat64, self._dll.fmi3SetFloat64
         self._flags, self._reached = [c_bool() for _ in range(5)], c_double()

@@ -128,7 +128,7 @@ class Instance:
         if start is not None:
             try:
                 self.initialize(start)
-            except FmuError:
+            except BaseException:
                 self.__exit__()
                 raise
 

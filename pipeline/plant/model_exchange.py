@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.errors import FmuError
 from pipeline.plant.binding import Binding, check_binding
 from pipeline.plant.fmu import Fmu, Instance
-from pipeline.plant.references import References, double_p
+from pipeline.plant.references import References, double_p, tuned_and_fed
 from pipeline.plant.states import refuse_events, state_order, states_of
 from pipeline.plant.tangents import Sensitivity, Tangents
 
@@ -47,7 +47,7 @@ class ModelExchangePlant:
     def derivatives(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float = 0.0) -> np.ndarray:
         """ds/dt (ns,) at state s (ns,), input u (n,), parameters chi (p,), time t (s)."""
         self._prepare(s, u, chi, t)
-        return self._evaluate(s, t).copy()
+        return self._evaluate(s, t)
 
     def transition(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float) -> np.ndarray:
         """The state (ns,) after dt (s) with u (n,) held. Raises FmuError where the FMU refuses or gives no number."""
@@ -84,7 +84,7 @@ class ModelExchangePlant:
     def _rk4(self, s: np.ndarray, t: float, step: float) -> np.ndarray:
         evaluate, half, sixth = self._evaluate, 0.5 * step, step / 6.0
         for _ in range(self.substeps):
-            total = evaluate(s, t).copy()
+            total = evaluate(s, t)
             k2 = evaluate(s + half * total, t)
             total += 2.0 * k2
             k3 = evaluate(s + half * k2, t)
@@ -130,7 +130,7 @@ class ModelExchangePlant:
 
     def _stage(self, s: np.ndarray, S: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
         """ds/dt at s, and its derivative along S (ns, m), that of s by all knowns."""
-        k = self._evaluate(s, t).copy()
+        k = self._evaluate(s, t)
         J = self._tangents(t)
         self.calls += len(self._tangents.knowns)
         K = J[:, : self.ns] @ S
@@ -138,7 +138,7 @@ class ModelExchangePlant:
         return k, K
 
     def _evaluate(self, s: np.ndarray, t: float) -> np.ndarray:
-        """Derivatives in the seam's order, in a buffer that the next call overwrites."""
+        """Derivatives in the seam's order."""
         self._x[self._order] = s
         status = self._set_states(self._fmu, self._x_pointer, self._nx)
         status = max(status, self._get_derivatives(self._fmu, self._dx_pointer, self._nx))
@@ -179,6 +179,7 @@ class ModelExchangePlant:
 
     def _tune(self, chi: np.ndarray, t: float) -> int:
         calls = self.instance.calls
+        self._chi[:] = np.nan  # until all is done, nobody knows
         status = calls.enter_event_mode()
         status = max(status, self._parameters.set(chi[self._tuned]))
         updated, needed, terminate = calls.update_discrete_states()
@@ -191,8 +192,7 @@ class ModelExchangePlant:
     def _divide_parameters(self) -> None:
         """Parameters that the FMU has as inputs are fed beside the plant's input; the others are tuned."""
         names = [p.variable or p.name for p in self.binding.parameter]
-        is_input = np.array([self.file.variable(name).causality == "input" for name in names], bool)
-        self._fed, self._tuned = np.flatnonzero(is_input), np.flatnonzero(~is_input)
+        self._tuned, self._fed = tuned_and_fed(self.instance, names)
         self._parameters = References(self.instance, [names[i] for i in self._tuned])
         inputs = [j.input for j in self.binding.joint]
         self._inputs = References(self.instance, [*inputs, *(names[i] for i in self._fed)])

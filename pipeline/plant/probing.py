@@ -129,7 +129,7 @@ def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndar
     rng = np.random.default_rng(seed)
     rows = rng.choice(len(q), size=min(POINTS, len(q)), replace=False)
     point = (q[rows], qd[rows], qdd[rows])
-    _check_affine(plant, *point)
+    _check_affine(plant, *point[:2])
     model = InverseModel(plant)
     held = {
         name: "the inverse model is not linear in it; held at its a-priori value"
@@ -157,7 +157,7 @@ def _nonlinearity(model: InverseModel, point: tuple, relative: np.ndarray) -> fl
     return float(np.max(np.abs(moved - base - D @ change)) / max(np.max(np.abs(moved)), np.max(np.abs(base))))
 
 
-def _check_affine(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> None:
+def _check_affine(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray) -> None:
     """Refuse a plant whose qdd is not affine in u, seen at two amplitudes."""
     chi, step = plant.binding.a_priori, TORQUE_STEP * plant.binding.u_range
     free, once, twice = (plant.accelerations(q, qd, k * step, chi) for k in (0.0, 1.0, 2.0))

@@ -12,6 +12,12 @@ from pipeline.plant.fmu import Instance
 double_p = POINTER(c_double)
 
 
+def tuned_and_fed(instance: Instance, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """The places of those that are parameters of the FMU, to be tuned, and of those that are its inputs, to be fed."""
+    is_input = np.array([instance.file.variable(name).causality == "input" for name in names], bool)
+    return np.flatnonzero(~is_input), np.flatnonzero(is_input)
+
+
 class References:
     """Value references and a reused buffer: `set` writes an array into the FMU's variables, `get` reads them."""
 

@@ -7,7 +7,7 @@ import numpy as np
 from pipeline.errors import ConfigError, FmuError
 from pipeline.plant.binding import Binding, check_binding
 from pipeline.plant.fmu import Fmu, Instance
-from pipeline.plant.references import References
+from pipeline.plant.references import References, tuned_and_fed
 from pipeline.plant.states import refuse_events, state_order
 
 
@@ -35,7 +35,7 @@ class CoSimulationPlant:
         self.instance = Instance(file, "CS")
         try:
             self._set_up({**binding.start_values(), **settings})
-        except FmuError:
+        except BaseException:
             self.instance.__exit__(None, None, None)
             raise
 
@@ -45,8 +45,7 @@ class CoSimulationPlant:
         starts = [*(j.velocity_start for j in joints), *(j.position_start for j in joints)]
         self._start = References(self.instance, starts)
         names = [p.variable or p.name for p in parameters]
-        is_input = np.array([self.file.variable(name).causality == "input" for name in names], bool)
-        self._fed, self._tuned = np.flatnonzero(is_input), np.flatnonzero(~is_input)
+        self._tuned, self._fed = tuned_and_fed(self.instance, names)
         self._parameters = References(self.instance, [names[i] for i in self._tuned])
         self._inputs = References(self.instance, [*(j.input for j in joints), *(names[i] for i in self._fed)])
         self._outputs = References(self.instance, [*(j.velocity for j in joints), *(j.position for j in joints)])

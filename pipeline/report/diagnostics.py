@@ -60,9 +60,9 @@ def jacobians(run: Run) -> Html | None:
     labels = ("Filters", "Transition", "Jacobian", "compared with", "largest difference", "Remark")
     head = [tag("th", h, scope="col") for h in labels]
     caption = (
-        "The difference is relative to the largest entry of its column over ten points of the motion, seen before the"
-        " filter ran. Good: 1e-5 or less. Directional derivatives are the FMU's own, by states and inputs; columns of"
-        " parameters are forward differences, unless the FMU has its parameters as inputs."
+        "The difference is relative, by columns, at ten points of the motion, seen before the filter ran; columns of"
+        " states are compared as rates. Good: 1e-4 or less. Directional derivatives are the FMU's own, by states and"
+        " inputs; columns of parameters are forward differences, unless the FMU has its parameters as inputs."
     )
     return table("Jacobians of the filters", [head], [_jacobian_row(n, w) for w, n in ways.items()], caption)
 

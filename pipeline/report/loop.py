@@ -26,11 +26,12 @@ def margins(run: Run) -> Html | None:
     heads = ("", "bandwidth in Hz", "phase margin", "at", "gain margin", "modulus margin", "worst at q")
     head = [tag("th", h, scope="col") for h in heads]
     caption = (
-        f"f_dyn = {number(found.get('f_dyn'), 3)} Hz: the largest −3 dB bandwidth of a joint (reference to position),"
-        f" the median over {len(configurations)} configurations spread over the motion. Plant and controller FMU are"
-        " linearised at rest, Coulomb friction off, the input held over each period. Margins: each joint's loop broken"
-        " at the plant's input, the others closed; the worst configuration. Good: a phase margin above 45°, a modulus"
-        " margin above 0.5. Bad: below 30°, where the loop rings, and the record with it."
+        f"f_dyn = {number(found.get('f_dyn'), 3)} Hz: the largest −3 dB bandwidth of a joint, reference position to"
+        f" position, the reference velocity held at 0; the median over {len(configurations)} configurations spread over"
+        " the motion. Plant and controller FMU are linearised at rest, Coulomb friction off, the input held over each"
+        " period. Margins: each joint's loop broken at the plant's input, the others closed; the worst configuration."
+        " Good: a phase margin above 45°, a modulus margin above 0.5. Bad: below 30°, where the loop rings, and the"
+        " record with it."
     )
     return table("Bandwidth and margins", [head], rows, caption)
 

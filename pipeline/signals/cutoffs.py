@@ -50,6 +50,8 @@ def check_cutoffs(settings: WlsSettings, rate: float) -> None:
                 f"{settings.name}: the {which} filter's cut-off {cutoff:g} Hz is not below Nyquist, {0.5 * rate:g} Hz; "
                 "lower it"
             )
+    if settings.parallel.kind == "decimate" and (settings.decimation or 1) == 1:
+        raise ConfigError(f"{settings.name}: a parallel filter of kind `decimate` needs a decimation above 1; set it")
     cutoff, decimated = _cutoff(settings.parallel), 0.5 * rate / (settings.decimation or 1)
     if cutoff is not None and cutoff > decimated:
         raise ConfigError(
@@ -72,7 +74,8 @@ def described(settings: WlsSettings, resolved: WlsSettings, rate: float) -> dict
         kind = getattr(resolved, which)
         value = None if kind.kind == "none" else cutoff_frequency(rate, kind, resolved.decimation)
         found[which] = {"value": value, "source": _source(getattr(settings, which), factor)}
-    source = "set" if settings.decimation else "largest for the parallel cut-off"
+    source = "largest for the parallel cut-off" if _cutoff(resolved.parallel) is not None else "every sample"
+    source = "set" if settings.decimation else source
     return {**found, "decimation": {"value": resolved.decimation, "source": source}}
 
 

@@ -95,7 +95,7 @@ def find_delimiter(path: Path, text: str) -> str:
 
 def find_decimal(path: Path, rows: Sequence[Sequence[str]], delimiter: str) -> str:
     """The decimal sign that the numbers show; `.` where they are all whole. DataError where it stays open."""
-    seen = {kind: next(cells, None) for kind, cells in _signs(rows, delimiter).items()}
+    seen = {kind: next(cells, None) for kind, cells in _signs(rows).items()}
     if seen["comma"] and seen["point"]:
         raise DataError(
             f"{path}: {seen['comma']} has a decimal comma, {seen['point']} a decimal point; make them one, or say "
@@ -111,7 +111,7 @@ def find_decimal(path: Path, rows: Sequence[Sequence[str]], delimiter: str) -> s
     return "."
 
 
-def _signs(rows: Sequence[Sequence[str]], delimiter: str) -> dict[str, Iterator[str]]:
+def _signs(rows: Sequence[Sequence[str]]) -> dict[str, Iterator[str]]:
     """The cells, with their places, that show a decimal comma or point, or what may be a group of thousands."""
 
     def cells(sign: str, pattern: re.Pattern, group: bool) -> Iterator[str]:

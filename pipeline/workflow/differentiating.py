@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -52,22 +53,21 @@ def choose_jacobian(session: Session, best: Batch, interface: str, method: str, 
 
     Directional derivatives give way to forward differences where the FMU has none, or where they are wrong.
     """
-    wanted, reason = session.experiment.ekf.jacobian, ""
-    with open_plant(session.binding, "filter", interface, method, substeps) as plant:
+    wanted, points = session.experiment.ekf.jacobian, points_of(session, best)
+    opened = partial(open_plant, session.binding, "filter", interface, method, substeps)
+    with opened() as plant:
         if wanted == "directional" and not plant.directional:
             what = "by Co-Simulation there are none of a step" if interface == "CS" else "the FMU provides none"
-            wanted, reason = "forward", f"directional ones were asked for; {what}"
-        points = points_of(session, best)
-        choice = _compared(plant, points, wanted, reason)
-        if wanted == "directional" and (choice.difference is None or choice.difference > AGREED):
-            apart = "cannot be had" if choice.difference is None else f"are {choice.difference:.1e} off"
-            return _compared(
-                plant, points, "forward", f"the FMU's directional derivatives {apart} {choice.reason}".strip()
-            )
-    return choice
+            return _compared(plant, points, "forward", f"directional ones were asked for; {what}")
+        choice = _compared(plant, points, wanted)
+    if wanted != "directional" or (choice.difference is not None and choice.difference <= AGREED):
+        return choice
+    apart = "cannot be had" if choice.difference is None else f"are {choice.difference:.1e} off"
+    with opened() as plant:  # anew: an instance that gave an error is not to be used on
+        return _compared(plant, points, "forward", f"the FMU's directional derivatives {apart} {choice.reason}".strip())
 
 
-def _compared(plant, points: list[Point], mode: str, reason: str) -> JacobianChoice:
+def _compared(plant, points: list[Point], mode: str, reason: str = "") -> JacobianChoice:
     against = "forward" if mode == "central" else "central"
     try:
         return JacobianChoice(mode, against, disagreement(plant, points, mode, against), reason)

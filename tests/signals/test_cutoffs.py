@@ -54,6 +54,11 @@ def test_the_decimated_nyquist_stays_above_the_parallel_cutoff_and_no_larger_ste
     ("settings", "f_dyn", "message"),
     [
         (OPEN, None, "without a cut-off"),
+        (
+            WlsSettings("p", Filter("zero-phase", 10.0), Filter("decimate")),
+            None,
+            "p: a parallel filter of kind `decimate` needs a decimation above 1; set it",
+        ),
         (OPEN, 10.0, "WLS: 5 f_dyn = 50 Hz, from the closed loop, is not below Nyquist, 50 Hz; record faster or set"),
         (WlsSettings("WLS", Filter("zero-phase", 60.0), Filter("zero-phase", 4.0)), None, "cut-off 60 Hz is not below"),
         (

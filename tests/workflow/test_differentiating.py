@@ -33,7 +33,7 @@ def test_directional_derivatives_are_used_and_agree(best, plant):
     assert choice.difference < 1e-5
 
 
-@pytest.mark.parametrize(("mode", "against", "limit"), [("forward", "central", 1e-5), ("central", "forward", 1e-5)])
+@pytest.mark.parametrize(("mode", "against", "limit"), [("forward", "central", 1e-4), ("central", "forward", 1e-4)])
 def test_differences_are_checked_against_each_other(best, mode, against, limit):
     choice = choose_jacobian(open_session("scara", [f"ekf.jacobian={mode!r}"]), best, *RK4)
     assert (choice.used, choice.against, choice.reason) == (mode, against, "")
@@ -48,12 +48,19 @@ def test_without_directional_derivatives_differences_are_used(best):
     assert choice.used == "forward" and "by Co-Simulation there are none of a step" in choice.text
 
 
-def test_wrong_directional_derivatives_are_found_and_left_alone(best):
+@pytest.mark.parametrize("columns", [slice(0, 2), slice(2, 4), slice(4, 6)], ids=["velocities", "positions", "inputs"])
+def test_wrong_directional_derivatives_are_found_and_left_alone(best, columns):
     right = Tangents.__call__
-    with patch.object(Tangents, "__call__", lambda self, t: 1.01 * right(self, t)):
+
+    def wrong(self, t):
+        J = right(self, t)
+        J[:2, columns] *= 1.01
+        return J
+
+    with patch.object(Tangents, "__call__", wrong):
         choice = choose_jacobian(open_session("scara"), best, *RK4)
     assert choice.used == "forward" and "the FMU's directional derivatives are" in choice.reason and not choice.doubt
-    assert choice.difference < 1e-5
+    assert choice.difference < 1e-4
 
 
 def test_directional_derivatives_that_fail_are_left_alone(best):
