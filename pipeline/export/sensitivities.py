@@ -29,21 +29,22 @@ def sensitivities(model: Model) -> dict[str, tuple[list[ca.SX], list[ca.SX]]]:
 def starting(model: Model, w: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
     """Seeds of (t, p, x, z, u) and tangents of (calculated, x, z, derivatives, algebraics, w) in the initialisation.
 
-    There the parameters are known, and start values may follow from them.
+    There the parameters are known and the start values that may be set; others may follow from them.
     """
     time, x, u, _, z, _ = model.arguments()
     p, calculated = model.symbols("constant", "parameter"), model.symbols("calculated")
-    dt, dp, dx, dz, du = seeds = [seed(name, value) for name, value in zip("tpxzu", (time, p, x, z, u), strict=True)]
+    dt, dp, sx, sz, du = seeds = [seed(name, value) for name, value in zip("tpxzu", (time, p, x, z, u), strict=True)]
     dc = tangent(model.calculated, p, dp)
     known, direction = ca.vertcat(time, u, p, calculated), ca.vertcat(dt, du, dp, dc)
+    given, given_direction = ca.vertcat(known, x, z), ca.vertcat(direction, sx, sz)
     dx, dz = (
         column(
             [
-                given[i] if variable.start is not None else tangent(model.starts[variable.name], known, direction)
-                for i, variable in enumerate(model.variables[kind])
+                own[i] if v.start is not None else tangent(model.starts[v.name], given, given_direction)
+                for i, v in enumerate(model.variables[kind])
             ]
         )
-        for kind, given in (("state", dx), ("discrete", dz))
+        for kind, own in (("state", sx), ("discrete", sz))
     )
     known, direction = ca.vertcat(known, x, z), ca.vertcat(direction, dx, dz)
     rest = [tangent(value, known, direction) for value in (model.derivatives, model.algebraics, w)]

@@ -1,4 +1,7 @@
-"""Start values of states and discrete variables: `start=` and initial equations, as expressions of the parameters."""
+"""Start values of states and discrete variables: `start=` and initial equations.
+
+One that is a number may be set; the others follow, as expressions of these and of the parameters.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ def read_starts(
     unknown: list[ca.SX],
     solution: list[ca.SX],
 ) -> dict[str, ca.SX]:
-    """Start value of every state, discrete variable and input by name, in (time, inputs, parameters).
+    """Start value of every state, discrete variable and input by name, in parameters and in what has a number.
 
     `unknown` and `solution`: derivatives and algebraic variables, that initial equations may name. Also sets
     `start` of the scalars whose start value is a number.
@@ -41,8 +44,8 @@ def read_starts(
         target = next(e for e in entries if e.i == entry["target"])
         values = flatten(expressions.read(entry["value"], scope))
         starts |= {scalar.name: value for scalar, value in zip(target.scalars, values, strict=True)}
-    starts |= solve_initial(expressions, initial, loose, unknown, solution, starts)
-    _check_known(expressions, entries, starts)
+    starts |= solve_initial(expressions, initial, loose, unknown, solution)
+    _resolve(expressions, entries, starts)
     return starts
 
 
@@ -59,7 +62,7 @@ def fixed_algebraics(expressions: Expressions, entries: list[Entry], scope: Scop
     return equations
 
 
-def solve_initial(expressions, initial, loose, unknown, solution, starts) -> dict[str, ca.SX]:
+def solve_initial(expressions, initial, loose, unknown, solution) -> dict[str, ca.SX]:
     """What the initial equations say of the states without fixed=true."""
     if not initial:
         return {}
@@ -78,26 +81,33 @@ def solve_initial(expressions, initial, loose, unknown, solution, starts) -> dic
     return {symbol.name(): value for symbol, value in zip(wanted, values, strict=True)}
 
 
-def _check_known(expressions: Expressions, entries: list[Entry], starts: dict[str, ca.SX]) -> None:
-    """Starts may name other states: resolve them; and set the numbers."""
+def _resolve(expressions: Expressions, entries: list[Entry], starts: dict[str, ca.SX]) -> None:
+    """Set the numbers, which may be set through FMI; what names others is resolved into these and parameters."""
     scalars: dict[str, Variable] = {scalar.name: scalar for entry in entries for scalar in entry.scalars}
+    for name, value in starts.items():
+        scalars[name].start = number(value)
+    following = {name for name in starts if scalars[name].start is None}
     for name in starts:
         for _ in range(len(starts)):
-            named = [s for s in ca.symvar(starts[name]) if s.name() in starts and scalars[s.name()].kind != "input"]
+            named = [symbol for symbol in ca.symvar(starts[name]) if symbol.name() in following]
             if not named:
                 break
-            starts[name] = ca.substitute(
-                starts[name], ca.vertcat(*named), ca.vertcat(*[starts[s.name()] for s in named])
-            )
+            values = ca.vertcat(*[starts[symbol.name()] for symbol in named])
+            starts[name] = ca.substitute(starts[name], ca.vertcat(*named), values)
         else:
             raise expressions.source.refuse(f"the start value of {name} depends on itself")
-        for symbol in ca.symvar(starts[name]):
-            kind = scalars[symbol.name()].kind if symbol.name() in scalars else "other"
-            if kind not in ("constant", "parameter", "calculated"):
-                what = f"the start value of {name} depends on {symbol.name()}, which is not a parameter"
-                raise expressions.source.refuse(what)
-        scalars[name].start = number(starts[name])
-        if scalars[name].start is not None and not isfinite(scalars[name].start):
-            raise expressions.source.refuse(f"the start value of {name} is {scalars[name].start}: give a finite one")
-        if scalars[name].kind == "input" and scalars[name].start is None:
-            raise expressions.source.refuse(f"the start value of the input {name} must be a number")
+        _check(expressions, scalars, name, starts[name])
+
+
+def _check(expressions: Expressions, scalars: dict[str, Variable], name: str, value: ca.SX) -> None:
+    """Refuse a start value that names what is not known at the start, or is not finite."""
+    for symbol in ca.symvar(value):
+        kind = scalars[symbol.name()].kind if symbol.name() in scalars else "other"
+        if kind not in ("constant", "parameter", "calculated", "state", "discrete"):
+            what = f"the start value of {name} depends on {symbol.name()}, which is not a parameter"
+            raise expressions.source.refuse(what)
+    at = number(value)
+    if at is not None and not isfinite(at):
+        raise expressions.source.refuse(f"the start value of {name} is {at}: give a finite one")
+    if scalars[name].kind == "input" and scalars[name].start is None:
+        raise expressions.source.refuse(f"the start value of the input {name} must be a number")

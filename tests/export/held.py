@@ -52,6 +52,12 @@ CONTINUOUS: dict[str, list[tuple]] = {
             {"a": 3},
         ),
         (
+            "parameter Real a=3; Real x; Real v; Real y(start=1, fixed=true); Real z(start=2, fixed=true); initial"
+            " equation x = 2*y + a*z; v = x + y; equation der(x) = -x; der(v) = -2*v; der(y) = 0; der(z) = 0;",
+            {"x": (2 * 5 + 4 * 7) * e(-1), "v": (38 + 5) * e(-2), "y": 5, "z": 7},
+            {"y": 5, "z": 7, "a": 4},
+        ),
+        (
             "parameter Real a=3; discrete Real d[2]; initial equation pre(d) = {a, 2*a};"
             "equation when sample(0, 0.25) then d = pre(d) + {1, 10}; end when;",
             {"d[1]": 7, "d[2]": 46},

@@ -39,9 +39,9 @@ def evaluate(model, states=None, **values):
     numbers = {v.name: v.start for kind in ("constant", "parameter", "input") for v in model.variables[kind]} | values
     for variable, value in zip(model.variables["calculated"], ca.vertsplit(model.calculated), strict=True):
         numbers[variable.name] = substitute(value, numbers)
-    for kind in ("state", "discrete"):
-        for variable in model.variables[kind]:
-            numbers.setdefault(variable.name, substitute(model.starts[variable.name], numbers))
+    states_and_discretes = model.variables["state"] + model.variables["discrete"]
+    for variable in sorted(states_and_discretes, key=lambda variable: variable.start is None):
+        numbers.setdefault(variable.name, substitute(model.starts[variable.name], numbers))
     numbers |= {"time": 0.0} | (states or {})
     names = [v.name for kind in ("derivative", "algebraic") for v in model.variables[kind]]
     expressions = ca.vertsplit(ca.vertcat(model.derivatives, model.algebraics))

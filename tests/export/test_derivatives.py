@@ -177,6 +177,19 @@ def test_in_the_initialisation_start_values_and_calculated_parameters_carry_the_
 
 
 @pytest.mark.parametrize("version", VERSIONS)
+def test_in_the_initialisation_an_initial_equation_carries_start_values_on(tmp_path, version):
+    text = """model M parameter Real p=2; Real y(start=1, fixed=true); discrete Real d(start=4, fixed=true); Real x;
+      Real w(start=p, fixed=true); initial equation x = 2*y + d*w; equation der(y) = -y; der(w) = -w; der(x) = -x*y;
+      when x < -9 then d = pre(d) + 1; end when; end M;"""
+    archive = archive_of(tmp_path, text, fmi=version)
+    assert knowns(archive, "initialization") == ["p", "internalStep", "y", "d"]
+    with archive.initialization_mode(y=3.0, d=5.0) as instance:
+        assert list(instance.get("x", "w", "der(x)")) == [16, 2, -48]
+    assert check(archive, "initialization").any() and check(archive, "continuous").any()
+    archive.close()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
 def test_relations_stay_frozen(everything, version):
     with everything(version).model_exchange(x_start=1.75) as instance:
         x = instance.continuous_states()

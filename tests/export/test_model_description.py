@@ -106,6 +106,14 @@ def test_the_structure_lists_true_dependencies(root):
     assert initial["'half & half'"] == {"J"} and "qd" not in initial
 
 
+def test_an_initial_equation_depends_on_the_start_values_it_names(tmp_path):
+    text = """model M parameter Real a=3; Real y(start=1, fixed=true); Real x; initial equation x = 2*y + a;
+      equation der(y) = 0; der(x) = -x; end M;"""
+    root = ET.fromstring(describe(model_of(tmp_path, text), "m", "{guid}", ["a.c"]).encode())
+    assert variables(root)["x"].get("initial") == "calculated" and variables(root)["y"].get("initial") == "exact"
+    assert dependencies(root, "InitialUnknowns") == {"x": {"y", "a"}, "der(y)": set(), "der(x)": {"y", "a"}}
+
+
 def test_the_experiment_and_the_indicators(root):
     assert root.find("DefaultExperiment").attrib == {"stopTime": "3.0", "stepSize": "0.01"}
     assert root.get("numberOfEventIndicators") == "1"
