@@ -44,11 +44,11 @@ class Events:
 def new_events(source: Source, time: ca.SX) -> Events:
     """The symbols of a model's events: one per relation that has one, and one per clock."""
     nodes, timed = find_relations(source)
-    r = ca.SX.sym("r", len(nodes))
+    r = ca.SX.sym("relation()", len(nodes))
     return Events(
         time=time,
         r=r,
-        r_pre=ca.SX.sym("r_pre", len(nodes)),
+        r_pre=ca.SX.sym("pre(relation())", len(nodes)),
         flags=ca.vertcat(ca.SX.sym("initial()"), *[ca.SX.sym("sample()") for _ in source.dae["clocks"]]),
         symbols={node: r[k] for k, node in enumerate(nodes)},
         timed=timed,

@@ -172,8 +172,7 @@ def structure(model: Model) -> Structure:
     held = dict(zip([s.name() for s in symbols(model.symbols("discrete"))], symbols(model.events.z), strict=True))
 
     def depends(value: ca.SX) -> set[str]:
-        used = used_names(value)
-        return (used | {n for name in used & held.keys() for n in used_names(held[name])}) & running
+        return trace(value, held | switches(model), running)
 
     return Structure(
         outputs={v.name: depends(solved[v.name]) for v in outputs},
@@ -190,9 +189,15 @@ def _initial(model: Model, outputs: list[Variable], solved: dict[str, ca.SX]) ->
     settable = {v.name for kind in ("constant", "parameter", "input") for v in model.variables[kind]} | {"time"}
     settable |= {v.name for kind in ("state", "discrete") for v in model.variables[kind] if v.start is not None}
     calculated = zip(model.variables["calculated"], symbols(model.calculated), strict=True)
-    expressions = solved | model.starts | {v.name: e for v, e in calculated}
+    expressions = solved | model.starts | {v.name: e for v, e in calculated} | switches(model)
     names = [variable.name for variable in listed(model) if variable.name in wanted]
-    return {name: trace(name, expressions, settable) for name in names}
+    return {name: trace(expressions[name], expressions, settable) for name in names}
+
+
+def switches(model: Model) -> dict[str, ca.SX]:
+    """What decides the value of each relation, by the name of its symbol."""
+    events = model.events
+    return {r.name(): relation.indicator for r, relation in zip(symbols(events.r), events.relations, strict=True)}
 
 
 def symbols(vector: ca.SX) -> list[ca.SX]:
@@ -212,15 +217,13 @@ def used_names(value: ca.SX) -> set[str]:
     return {symbol.name() for symbol in ca.symvar(value)}
 
 
-def trace(name: str, expressions: dict[str, ca.SX], known: set[str]) -> set[str]:
-    """The knowns on which a variable depends, through whatever is computed in between."""
-    found: set[str] = set()
-    open_names, seen = [name], {name}
+def trace(value: ca.SX, expressions: dict[str, ca.SX], known: set[str]) -> set[str]:
+    """The knowns on which a value depends, through whatever is computed in between."""
+    seen: set[str] = set()
+    open_names = used_names(value)
     while open_names:
-        for used in used_names(expressions[open_names.pop()]) - seen:
-            seen.add(used)
-            if used in known:
-                found.add(used)
-            elif used in expressions:
-                open_names.append(used)
-    return found
+        name = open_names.pop()
+        seen.add(name)
+        if name not in known and name in expressions:
+            open_names |= used_names(expressions[name]) - seen
+    return seen & known

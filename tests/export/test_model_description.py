@@ -6,6 +6,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from pipeline.export.model_description_fmi2 import describe
+from pipeline.export.model_description_fmi3 import describe as describe_fmi3
 from tests.export.language import archive_of, model_of
 
 MODEL = """
@@ -112,6 +113,35 @@ def test_an_initial_equation_depends_on_the_start_values_it_names(tmp_path):
     root = ET.fromstring(describe(model_of(tmp_path, text), "m", "{guid}", ["a.c"]).encode())
     assert variables(root)["x"].get("initial") == "calculated" and variables(root)["y"].get("initial") == "exact"
     assert dependencies(root, "InitialUnknowns") == {"x": {"y", "a"}, "der(y)": set(), "der(x)": {"y", "a"}}
+
+
+RELATIONS = """model M parameter Real T=0.5; parameter Real level=1; input Real u; output Real y; output Real z;
+  output Real w; discrete output Real d(start=0, fixed=true); Real x(start=0, fixed=true); Real v(start=1, fixed=true);
+  equation y = if u > level then 1 else -1; z = if time > T then 2 else 5; w = if x > 1 then v else 0; der(x) = y;
+  der(v) = if y*x > 0 then 1 else 2; when x > 2 then d = if v > 3 then 1 else 2; end when; end M;"""
+
+
+def test_what_a_relation_switches_depends_on_what_decides_it(tmp_path):
+    root = ET.fromstring(describe(model_of(tmp_path, RELATIONS), "m", "{guid}", ["a.c"]).encode())
+    assert dependencies(root, "Outputs") == {"y": {"u"}, "z": set(), "w": {"x", "v"}, "d": {"x", "v"}}
+    assert dependencies(root, "Derivatives") == {"der(x)": {"u"}, "der(v)": {"u", "x"}}
+    initial = dependencies(root, "InitialUnknowns")
+    assert (initial["y"], initial["z"], initial["w"]) == ({"u", "level"}, {"T"}, {"x", "v"})
+    assert initial["der(v)"] == {"u", "level", "x"}
+
+
+def test_in_fmi_3_time_is_among_the_dependencies(tmp_path):
+    root = ET.fromstring(describe_fmi3(model_of(tmp_path, RELATIONS), "m", "{token}").encode())
+    names = {variable.get("valueReference"): variable.get("name") for variable in root.find("ModelVariables")}
+
+    def used(group):
+        entries = root.findall(f"ModelStructure/{group}")
+        return {names[e.get("valueReference")]: {names[i] for i in e.get("dependencies").split()} for e in entries}
+
+    assert used("Output") == {"y": {"u"}, "z": {"time"}, "w": {"x", "v"}, "d": {"x", "v"}}
+    assert used("ContinuousStateDerivative") == {"der(x)": {"u"}, "der(v)": {"u", "x"}}
+    assert used("InitialUnknown")["z"] == {"time", "T"}
+    assert {"x", "u"} in used("EventIndicator").values()
 
 
 def test_the_experiment_and_the_indicators(root):
