@@ -192,8 +192,9 @@ def _solve_events(expressions, entries, scope, events, continuous, unknown, solu
     # between events pre(d) is d; at one, a pass of the iteration starts from the d of the last
     held = {(f"pre_{entry.role}", entry.i): entry.value for entry in entries if entry.pre is not None}
     plain = Scope({**scope.coordinates, **held})
+    nominals = {scalar.name: scalar.nominal for entry in entries for scalar in entry.scalars if scalar.nominal}
     for node in events.symbols:
-        relation = read_relation(expressions, node, plain, node in events.timed, events.time)
+        relation = read_relation(expressions, node, plain, events, nominals)
         truth, indicator = (resolve(value, unknown, solution) for value in (relation.truth, relation.indicator))
         events.relations.append(Relation(truth, indicator, relation.instant))
     discrete = Discrete(expressions, entries, scope, events)
