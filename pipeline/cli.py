@@ -155,8 +155,9 @@ def exit_code(record: dict) -> int:
 
 def _excite(arguments: argparse.Namespace) -> int:
     from pipeline.report.console import Progress, design_text
-    from pipeline.simulate.trajectory import waypoints_text, write_waypoints
-    from pipeline.workflow.exciting import check_output, entry, excite
+    from pipeline.simulate.trajectory import waypoints_text
+    from pipeline.workflow.excitation_settings import check_output
+    from pipeline.workflow.exciting import entry, excite
 
     progress = Progress(sys.stderr)
     check_output(arguments.output)
@@ -164,13 +165,24 @@ def _excite(arguments: argparse.Namespace) -> int:
     design = excite(session, arguments.validation, progress)
     found = {"seed": session.experiment.seed, **entry(design)}
     progress.narrate(design_text(found))
-    if arguments.output:
-        write_waypoints(arguments.output, design.waypoints)
-    if arguments.json:
-        print(json.dumps({**found, "trajectory": arguments.output or waypoints_text(design.waypoints)}))
-    else:
-        print(arguments.output or waypoints_text(design.waypoints).rstrip())
+    written = arguments.output and _written(arguments.output, design.waypoints)
+    shown = arguments.output if written else waypoints_text(design.waypoints)
+    print(json.dumps({**found, "trajectory": shown}) if arguments.json else shown.rstrip())
+    if arguments.output and not written:
+        return 2
     return 130 if design.interrupted else 0
+
+
+def _written(output: str, waypoints) -> bool:
+    """Whether a design could be written; else its place is stdout, and this is said."""
+    from pipeline.simulate.trajectory import write_waypoints
+
+    try:
+        write_waypoints(output, waypoints)
+    except OSError as error:
+        _narrate(f"fmuid: {output}: cannot be written ({error.strerror or error}); the design goes to stdout instead")
+        return False
+    return True
 
 
 def _report(arguments: argparse.Namespace) -> int:

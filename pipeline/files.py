@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 
 @contextmanager
@@ -27,6 +28,16 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             fresh.unlink(missing_ok=True)
+
+
+def check_writable(path: Path) -> None:
+    """Find out whether `replacing` could write to `path`, as far as that is known before. Raises OSError."""
+    if path.exists() and not path.is_file():
+        with path.open("ab") if path.is_dir() or path.is_char_device() else nullcontext():
+            return  # a pipe would wait for its reader
+    path = path.resolve()
+    with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
+        pass
 
 
 def sync(path: Path) -> None:

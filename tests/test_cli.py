@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from pipeline.cli import main
+
 
 def fmuid(*arguments, **options):
     return subprocess.run(
@@ -75,8 +77,23 @@ def test_excite_writes_the_trajectory_and_says_what_it_is_worth(fmus, tmp_path):
     assert found["trajectory"] == str(file) and file.read_text().count("\n") == 10
     assert "best so far" in result.stderr and "\r" not in result.stderr
     assert max(max(joints) for joints in found["used"].values()) <= 1.0
+    result = fmuid("excite", "scara", "--output", str(tmp_path / "w.parquet"))
+    assert result.returncode == 2 and "name a .csv file" in result.stderr and result.stderr.count("\n") == 1
     result = fmuid("excite", "scara", "--output", str(tmp_path / "none" / "w.csv"))
     assert result.returncode == 2 and "cannot be written there" in result.stderr and result.stderr.count("\n") == 1
+
+
+def test_a_design_that_cannot_be_written_in_the_end_goes_to_stdout(fmus, tmp_path, monkeypatch, capsys):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pipeline.simulate.trajectory.write_waypoints", full)
+    small = ["excitation.starts=1", "excitation.iterations=5", "excitation.segments=8"]
+    options = [part for setting in small for part in ("--set", setting)]
+    assert main(["excite", "emps", "--output", str(tmp_path / "w.csv"), *options]) == 2
+    out, err = capsys.readouterr()
+    assert out.startswith("time [s],q_1 [m],") and out.count("\n") == 10
+    assert "w.csv: cannot be written (No space left on device); the design goes to stdout instead" in err
 
 
 QUICK = ["--set", "ekf.case=[]"]

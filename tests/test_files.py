@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.files import replacing
+from pipeline.files import check_writable, replacing
 
 
 def test_a_file_is_replaced_when_the_block_ends_well(tmp_path):
@@ -40,3 +40,14 @@ def test_a_link_stays_a_link_and_a_device_a_device(tmp_path):
     with replacing(Path("/dev/null")) as fresh:
         fresh.write_text("anything")
     assert not os.path.isfile("/dev/null")
+
+
+def test_what_cannot_be_written_is_known_before(tmp_path):
+    (tmp_path / "old").write_text("old")
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "new", tmp_path / "old", tmp_path / "pipe", Path("/dev/null")):
+        check_writable(path)
+    for path in (tmp_path, tmp_path / "none" / "new", Path("/proc/new")):
+        with pytest.raises(OSError):
+            check_writable(path)
+    assert sorted(os.listdir(tmp_path)) == ["old", "pipe"] and (tmp_path / "old").read_text() == "old"

@@ -23,6 +23,8 @@ STEP = 1e-6
 """Of the limit of |q|: the difference by q."""
 KINEMATIC_POINTS = 50
 """Points per segment where |q|, |qd|, |qdd| are held; they need no plant."""
+SINGULAR = 1e-12
+"""The share of the best excited parameter below which one counts as not excited."""
 
 
 class Affine(Protocol):
@@ -40,7 +42,7 @@ class Task:
     limits (n,) of |q|, |qd|, |qdd|, |tau|; margin (4, n), the share of them to use; slow (n,), in qd's unit: D is taken
     as linear in qd between knots this far apart, so that sgn(qd) has a slope to follow, and what is slower counts for
     less; chi (p,) a-priori values; scale (p,) their sizes, none 0; sigma (n,) of the torque per sample; rate of the
-    samples and of the grid that stands for them, Hz; caps on both condition numbers.
+    samples and of the grid that stands for them, Hz; caps on both condition numbers; names (p,) for messages.
     """
 
     t: np.ndarray
@@ -54,6 +56,7 @@ class Task:
     grid: float
     cap_W: float = np.inf
     cap_Phi: float = np.inf
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -191,8 +194,8 @@ def criterion(D: np.ndarray, weight: np.ndarray, task: Task, rho: float) -> tupl
     weighted = D * (weight[:, None] * task.scale)
     R = np.linalg.qr((D * np.sqrt(weight)[:, None] * task.scale).reshape(-1, D.shape[2]), mode="r")
     diagonal = np.abs(np.diag(R))
-    if not diagonal.min() > 1e-12 * diagonal.max():
-        raise IdentificationError("a parameter is not excited at all, or not apart from the others; hold it")
+    if not diagonal.min() > SINGULAR * diagonal.max():
+        raise IdentificationError(_not_excited(diagonal, task))
     inverse = np.linalg.inv(R)
     value, G = -2.0 * np.log(diagonal).sum(), -2.0 * inverse @ inverse.T
     for size, cap in ((1.0 / task.scale, task.cap_W), (task.chi / task.scale, task.cap_Phi)):
@@ -201,6 +204,18 @@ def criterion(D: np.ndarray, weight: np.ndarray, task: Task, rho: float) -> tupl
         if excess > 0.0:
             value, G = value + rho * excess**2, G + 2.0 * rho * excess * slope
     return float(value), weighted @ (G * task.scale)
+
+
+def _not_excited(diagonal: np.ndarray, task: Task) -> str:
+    """Which parameter a motion says nothing of: diagonal (p,) of R."""
+    worst = int(np.argmin(diagonal))
+    name = task.names[worst] if task.names else f"parameter {worst + 1}"
+    share = diagonal[worst] / diagonal.max() if diagonal.max() > 0.0 else 0.0
+    tau = ", ".join(f"{limit:g}" for limit in task.limits.tau)
+    return (
+        f"excitation: {name} is not excited at all, or not apart from the others (its share is {share:.1g}, at least "
+        f"{SINGULAR:g} is needed); widen the limits (tau = {tau}), or give more segments or a finer grid"
+    )
 
 
 def _log_condition(R: np.ndarray, size: np.ndarray) -> tuple[float, np.ndarray]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
-from pipeline.errors import ConfigError, DataError, IdentificationError
+from pipeline.errors import IdentificationError
 from pipeline.identify.regression import Excitation
 from pipeline.plant.plant import open_plant
 from pipeline.plant.probing import InverseModel, probe
@@ -22,13 +20,13 @@ from pipeline.simulate.trajectory import Limits, Waypoints, peaks, reference_fra
 from pipeline.workflow.acquire import run_loop
 from pipeline.workflow.batch import motion_excitation
 from pipeline.workflow.building import build_fmus
+from pipeline.workflow.excitation_settings import CHECK_RATE, check_friction, excitation_settings, run_settings
 from pipeline.workflow.session import Session
 
 Tell = Callable[[int, int, float], None]
 """Gets the iterations done, their number, and the best so far."""
 
 QUANTITIES = ("q", "qd", "qdd", "tau")
-CHECK_RATE = 1000.0  # Hz
 MARGIN = 0.99  # of limits and caps: a squared hinge gives way a little
 ROUNDS = 8
 SLOW = 0.05  # of the limit of |qd|
@@ -57,13 +55,15 @@ def excite(session: Session, validation: bool = False, tell: Tell = lambda *_: N
     An interruption ends the search, and the best so far is finished. Raises ConfigError without an [excitation] table,
     IdentificationError where the limits and caps cannot be met, with what was reached.
     """
-    settings = _settings(session)
+    settings = excitation_settings(session)
+    run = run_settings(session.experiment.name, settings, validation)
     build_fmus(session)
     rng = np.random.default_rng([session.experiment.seed, int(validation)])
     search = Search(settings.starts, settings.iterations, session.narrate, tell)
     interrupted = False
     with _inverse_model(session, settings) as model:
-        task = _task(session, settings, validation, model)
+        check_friction(session, settings, model)
+        task = _task(session, settings, run, model)
         objective = Objective(model, task)
 
         def adapt(x: np.ndarray) -> Objective:
@@ -93,13 +93,6 @@ def entry(design: Design) -> dict:
         "closed_loop_checked": design.looped,
         "interrupted": design.interrupted,
     }
-
-
-def check_output(name: str | None) -> None:
-    """Refuse a file that cannot be written before the search, not after it. Raises DataError."""
-    path = Path(name) if name else None
-    if path is not None and (path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK)):
-        raise DataError(f"{path}: cannot be written there; give --output a file in a folder that exists")
 
 
 def _within(session: Session, settings: ExcitationSettings, model: InverseModel, search: Search) -> Design:
@@ -156,20 +149,6 @@ def _loop_peaks(session: Session, waypoints: Waypoints) -> np.ndarray:
     return np.array([np.abs(frame[c].to_numpy()).max(axis=0) for c in columns])
 
 
-def _settings(session: Session) -> ExcitationSettings:
-    found = session.experiment.excitation
-    if found is None:
-        raise ConfigError(
-            f"{session.experiment.name}: no [excitation] to design for; add it with the limits q, qd, qdd and tau"
-        )
-    units = {j.position_unit for j in session.binding.joint}
-    if len(units) > 1 or not units <= {"rad", "m"}:
-        raise ConfigError(
-            f"{session.experiment.name}: joints in {', '.join(sorted(units))}; way-points are all in rad or all in m"
-        )
-    return found
-
-
 @contextmanager
 def _inverse_model(session: Session, settings: ExcitationSettings) -> Iterator[InverseModel]:
     """The probed inverse model, its structure tested at random points within the limits."""
@@ -181,9 +160,8 @@ def _inverse_model(session: Session, settings: ExcitationSettings) -> Iterator[I
         yield model
 
 
-def _task(session: Session, settings: ExcitationSettings, validation: bool, model: InverseModel) -> Task:
+def _task(session: Session, settings: ExcitationSettings, run: ExcitationRun, model: InverseModel) -> Task:
     binding, experiment = session.binding, session.experiment
-    run = validation and settings.validation or ExcitationRun(settings.segments, settings.segment)
     chi = binding.select(binding.a_priori, model.names)
     return Task(
         t=run.segment * np.arange(run.segments + 1),
@@ -197,6 +175,7 @@ def _task(session: Session, settings: ExcitationSettings, validation: bool, mode
         grid=settings.grid,
         cap_W=MARGIN * (settings.condition_number_W or np.inf),
         cap_Phi=MARGIN * (settings.condition_number_Phi or np.inf),
+        names=model.names,
     )
 
 

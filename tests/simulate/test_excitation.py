@@ -72,8 +72,10 @@ def test_the_criterion_is_the_log_determinant_and_its_derivative():
 def test_a_parameter_that_nothing_excites_is_refused():
     D = regressor(*np.random.default_rng(0).normal(size=(3, 50, 2)))
     D[..., 4] = 0.0
-    with pytest.raises(IdentificationError, match="not excited"):
+    with pytest.raises(IdentificationError, match=r"parameter 5 is not excited .*share is 0, .*tau = 16, 3.*segments"):
         criterion(D, np.ones(2), TASK, 1.0)
+    with pytest.raises(IdentificationError, match=r"excitation: E is not excited"):
+        criterion(D, np.ones(2), replace(TASK, names=tuple("ABCDEFGH")), 1.0)
 
 
 def test_the_objective_is_the_whole_records_log_determinant():

@@ -11,7 +11,8 @@ from pipeline.paths import EXPERIMENTS
 from pipeline.simulate.trajectory import Limits, check_limits, sample, waypoints_text
 from pipeline.workflow import exciting
 from pipeline.workflow.acquire import simulate
-from pipeline.workflow.exciting import check_output, excite
+from pipeline.workflow.excitation_settings import check_output
+from pipeline.workflow.exciting import excite
 from pipeline.workflow.session import open_session
 from tests.closed_form import TRUTH, inverse_model, regressor
 
@@ -150,9 +151,42 @@ iterations = 12
 def test_an_output_that_cannot_be_written_is_refused_before_the_search(tmp_path):
     check_output(None)
     check_output(str(tmp_path / "new.csv"))
-    for wrong in (tmp_path, tmp_path / "none" / "new.csv"):
-        with pytest.raises(DataError, match="cannot be written there; give --output"):
+    check_output("/dev/null")
+    for wrong in (tmp_path, tmp_path / "none" / "new.csv", "/proc/new.csv"):
+        with pytest.raises(DataError, match=r"cannot be written there \(.+\); give --output"):
             check_output(str(wrong))
+    with pytest.raises(DataError, match=r"not written as `.parquet`; name a .csv file"):
+        check_output(str(tmp_path / "new.parquet"))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("segments=1", r"excitation.segments = 1 leaves nothing to search.* give 2 or more"),
+        ("grid=0.01", r"excitation.grid = 0.01 Hz with segments of 1.25 s; give from 0.8 Hz .* to 1000 Hz"),
+        ("grid=1e9", r"excitation.grid = 1e\+09 Hz"),
+        ("tau=[0.3, 0.1]", r"excitation.tau does not overcome friction.*joint 1 needs 0.5\d* of 0.3.*; widen it"),
+    ],
+)
+def test_settings_of_which_no_design_can_come_are_refused_before_the_search(fmus, override, message):
+    def search(*_):
+        raise AssertionError("the search began")
+
+    with pytest.raises(ConfigError, match=message) as caught:
+        excite(open_session("scara", [f"excitation.{override}"]), tell=search)
+    assert "\n" not in str(caught.value)
+
+
+def test_too_few_segments_for_the_validation_alone_are_named(fmus):
+    session = open_session("scara", ["excitation.validation={segments=1, segment=1.5}"])
+    with pytest.raises(ConfigError, match=r"excitation.validation.segments = 1"):
+        excite(session, validation=True)
+
+
+def test_limits_in_which_a_parameter_is_not_seen_name_it(fmus):
+    with pytest.raises(IdentificationError, match=r"(\w+ is not excited|its cap).*widen"):
+        excite(open_session("scara", [*SMALL, "excitation.tau=[0.8, 0.2]", "excitation.starts=1"]))
 
 
 def test_a_stored_trajectory_beyond_the_limits_is_refused(fmus):
