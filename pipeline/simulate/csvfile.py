@@ -27,6 +27,8 @@ POINT = re.compile(r"[+-]?(\d*\.\d+|\d+\.)([eE][+-]?\d+)?")
 GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 INTEGER = re.compile(r"[+-]?\d+([eE][+-]?\d+)?")
 
+QUOTED_WORD = re.compile(r'(?<!\S)(?:"(?:[^"]|"")*"|[^\s"]+)(?!\S)')
+
 
 @dataclass(frozen=True)
 class Cells:
@@ -46,7 +48,10 @@ def read_cells(path: Path, delimiter: str | None = None, decimal: str | None = N
     try:
         rows = list(_split(text, delimiter))
     except csv.Error as error:
-        raise DataError(f"{path}: not a CSV file ({error}); export it again") from None
+        raise DataError(
+            f"{path}: not a CSV file ({error}); export it again, or name what "
+            'divides it by `data.delimiter` (" " for white space)'
+        ) from None
     while rows and not any(cell.strip() for cell in rows[-1]):
         rows.pop()
     if not rows:
@@ -76,10 +81,10 @@ def decode(path: Path) -> str:
 def find_delimiter(path: Path, text: str) -> str:
     """The delimiter that divides the first rows into as many cells as the header, two at least.
 
-    Where several do, the one that leaves nothing but numbers; white space where none does, and no cell is quoted.
+    Where several do, the one that leaves nothing but numbers; white space where none does.
     """
     fitting = {d: rows for d in (",", ";", "\t") if (rows := _even_rows(text, d))}
-    if not fitting and '"' not in text and _even_rows(text, " "):
+    if not fitting and _even_rows(text, " "):
         return " "
     if len(fitting) > 1:
         numeric = {d: rows for d, rows in fitting.items() if all(_numeric(cell) for row in rows[1:] for cell in row)}
@@ -131,8 +136,17 @@ def _signs(rows: Sequence[Sequence[str]]) -> dict[str, Iterator[str]]:
 def _split(text: str, delimiter: str) -> Iterator[list[str]]:
     lines = io.StringIO(text, newline="")
     if delimiter == " ":
-        return (line.split() for line in lines)
+        return (_words(line) for line in lines)
     return csv.reader(lines, delimiter=delimiter, strict=True)
+
+
+def _words(line: str) -> list[str]:
+    """The words of a line, those in quotes (`"q_1 [rad]"`, a quote in them doubled) kept whole. Raises csv.Error."""
+    if '"' not in line:
+        return line.split()
+    if QUOTED_WORD.sub("", line).strip():
+        raise csv.Error("a quote inside a word, or one that is not closed")
+    return [w[1:-1].replace('""', '"') if w.startswith('"') else w for w in QUOTED_WORD.findall(line)]
 
 
 def _even_rows(text: str, delimiter: str) -> list[list[str]]:

@@ -4,6 +4,7 @@ import csv
 import io
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
@@ -75,6 +76,36 @@ def test_columns_set_apart_by_white_space_come_back(tmp_path, values, decimal, g
     (tmp_path / "a.csv").write_text("\n".join(lead + line for line in lines) + "\n")
     table = read_table(tmp_path / "a.csv", decimal=decimal)
     np.testing.assert_array_equal(np.column_stack([table.column(c) for c in "tqu"]), values)
+
+
+@on_one_file
+@given(
+    names=st.lists(NAMES, min_size=2, max_size=4, unique=True),
+    data=st.data(),
+    decimal=st.sampled_from([".", ","]),
+    end=st.sampled_from(["\n", "\r\n"]),
+)
+def test_pandas_own_blanks_with_quoted_headings_come_back(tmp_path, names, data, decimal, end):
+    row = st.lists(numbers, min_size=len(names), max_size=len(names))
+    frame = pd.DataFrame(data.draw(st.lists(row, min_size=1, max_size=8)), columns=names, dtype=float)
+    frame.to_csv(tmp_path / "a.csv", sep=" ", index=False, decimal=decimal, lineterminator=end)
+    table = read_table(tmp_path / "a.csv", delimiter=" ", decimal=decimal)
+    assert list(table.columns) == names
+    for name in names:
+        np.testing.assert_array_equal(table.column(name), frame[name])
+
+
+def test_blanks_with_quoted_headings_are_found(tmp_path):
+    (tmp_path / "a.csv").write_text('"time [s]" "q_1 [rad]" note\n0.0 1.5 x\n0.1 "2.5" y\n')
+    table = read_table(tmp_path / "a.csv")
+    assert list(table.columns) == ["time [s]", "q_1 [rad]", "note"] and list(table.column("q_1 [rad]")) == [1.5, 2.5]
+
+
+@pytest.mark.parametrize("header", ['"time [s]" "q_1', '"time [s]"q_1', 'a"b c'])
+def test_stray_quotes_are_refused_with_the_key_that_may_help(tmp_path, header):
+    (tmp_path / "a.csv").write_text(f"{header}\n0 1\n")
+    for delimiter in (None, " ") if header[0] == '"' else (" ",):
+        assert '`data.delimiter` (" " for white space)' in refusal(tmp_path / "a.csv", delimiter=delimiter)
 
 
 @pytest.mark.parametrize(
