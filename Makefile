@@ -30,4 +30,4 @@ $(READY): pyproject.toml .ci/constraints.txt
 	touch $@
 
 clean:
-	rm -rf $(VENV) build fmus/*.fmu fmus/.build.json
+	rm -rf $(VENV) build fmus/*.fmu

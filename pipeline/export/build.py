@@ -24,7 +24,7 @@ from pipeline.export.claim import claimed
 from pipeline.export.codegen import generate
 from pipeline.export.compiler import compile_library, describe_compiler, find_compiler, platform
 from pipeline.export.equations import Model, translate
-from pipeline.export.freshness import RECORD, WRAPPER, digest, fingerprint, read_record, state, write_record
+from pipeline.export.freshness import WRAPPER, fingerprint, state
 from pipeline.export.frontend import load
 from pipeline.export.model_description_fmi2 import describe as describe_fmi2
 from pipeline.export.model_description_fmi3 import describe as describe_fmi3
@@ -83,12 +83,11 @@ def _build(
     report: Callable[[str], None],
 ) -> list[Built]:
     """Build those of the FMUs that are not up to date."""
-    record = read_record(out / RECORD)
     compiler = describe_compiler()
     inputs = {name: fingerprint(modelica, recipe) for name, recipe in chosen.items()}
     files = {name: {version: out / f"{name}{SUFFIX[version]}.fmu" for version in VERSIONS[fmi]} for name in chosen}
     todo = {
-        name: {v: p for v, p in paths.items() if force or state(p, inputs[name], compiler, record) != "fresh"}
+        name: {v: p for v, p in paths.items() if force or state(p, inputs[name], compiler) != "fresh"}
         for name, paths in files.items()
     }
     todo = {name: paths for name, paths in todo.items() if paths}
@@ -97,37 +96,33 @@ def _build(
 
     def make(name: str) -> list[Built]:
         started = time.perf_counter()
-        export(modelica, chosen[name], todo[name], name)
+        export(modelica, chosen[name], todo[name], name, {"inputs": inputs[name], "compiler": compiler})
         seconds = time.perf_counter() - started
         return [Built(name, path, seconds, False) for path in todo[name].values()]
 
     with ThreadPoolExecutor(max_workers=2) as pool:
         made = {}
         for several in pool.map(make, todo):
-            for built in several:
-                made[built.path] = built
-                known = {"inputs": inputs[built.name], "compiler": compiler, "sha256": digest(built.path)}
-                record[built.path.stem] = known
-            write_record(out / RECORD, record)
+            made |= {built.path: built for built in several}
             report(f"built {', '.join(b.path.name for b in several)} in {several[0].seconds:.1f} s")
     return [made.get(path) or Built(name, path, 0.0, True) for name in files for path in files[name].values()]
 
 
-def export(modelica: Path, recipe: Recipe, files: Mapping[str, Path], name: str = "") -> None:
+def export(
+    modelica: Path,
+    recipe: Recipe,
+    files: Mapping[str, Path],
+    name: str = "",
+    note: Mapping[str, str] | None = None,
+) -> None:
     """Export one class as FMUs for Model Exchange and Co-Simulation; files: {FMI version: path}.
 
-    name: of the library; the first file's without one. Raises ExportError.
+    name: of the library; the first file's without one. note: what each file is to remember. Raises ExportError.
     """
     with ONE_AT_A_TIME:
         model = with_inputs(translate(load(modelica, recipe.model), recipe.starts), recipe.inputs)
         contents = write_contents(model, name or library_name(files))
-    pack(contents, files)
-
-
-def write_fmu(model: Model, path: Path, fmi: str = "2") -> Path:
-    """The FMU of a sorted model."""
-    pack(write_contents(model, library_name({fmi: path})), {fmi: path})
-    return path
+    compile_fmus(contents, files, note)
 
 
 def library_name(files: Mapping[str, Path]) -> str:
@@ -171,7 +166,7 @@ def sources_of(version: str, files: list[str]) -> list[str]:
     return sorted(file for file in files if not file.startswith(other))
 
 
-def pack(contents: Contents, files: Mapping[str, Path]) -> None:
+def compile_fmus(contents: Contents, files: Mapping[str, Path], note: Mapping[str, str] | None = None) -> None:
     """Compile the sources and write an archive for each version; files: {FMI version: path}."""
     suffix, log = platform("2")[1], next(iter(files.values())).with_name(f"{contents.name}.log")
     library = compile_sources(contents.sources, contents.name + suffix, log)
@@ -180,7 +175,7 @@ def pack(contents: Contents, files: Mapping[str, Path]) -> None:
         members = {f"sources/{file}": contents.sources[file].encode() for file in sources}
         members |= {file: text.encode() for file, text in contents.descriptions[version].items()}
         members[f"binaries/{platform(version)[0]}/{contents.name}{suffix}"] = library
-        write_archive(path, members)
+        write_archive(path, members, note)
 
 
 def compile_sources(sources: Mapping[str, str], library: str, log: Path) -> bytes:

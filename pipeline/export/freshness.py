@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
 from pipeline import __version__
+from pipeline.export.archive import read_note
 from pipeline.export.catalogue import Recipe
 from pipeline.export.compiler import platform
-from pipeline.files import replacing
 
 HERE = Path(__file__).resolve().parent
 WRAPPER = HERE / "wrapper"
 EXPORTER = [*sorted(HERE.glob("*.py")), HERE.parent / "units.py", *sorted(WRAPPER.glob("*.[ch]"))]
-RECORD = ".build.json"
 
 
 def fingerprint(modelica: Path, recipe: Recipe) -> str:
@@ -33,35 +31,15 @@ def fingerprint(modelica: Path, recipe: Recipe) -> str:
     return h.hexdigest()
 
 
-def state(path: Path, inputs: str, compiler: str | None, record: Mapping[str, dict]) -> str:
+def state(path: Path, inputs: str, compiler: str | None) -> str:
     """What an FMU is: "missing"; "foreign", where another hand put or changed it; "stale"; or "fresh".
 
     Fresh is what was made from these inputs by this compiler; a machine without one (None) takes any compiler's.
     """
     if not path.is_file():
         return "missing"
-    known = record.get(path.stem, {})
-    if known.get("sha256") != digest(path):
+    note = read_note(path)
+    if not note:
         return "foreign"
-    same_compiler = compiler is None or known.get("compiler") == compiler
-    return "fresh" if same_compiler and known.get("inputs") == inputs else "stale"
-
-
-def digest(path: Path) -> str:
-    """SHA-256 of a file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def read_record(path: Path) -> dict[str, dict]:
-    """What was built from what; empty where nothing is known."""
-    try:
-        return json.loads(path.read_text())
-    except (FileNotFoundError, json.JSONDecodeError):
-        return {}
-
-
-def write_record(path: Path, record: Mapping[str, dict]) -> None:
-    """Write the record beside the FMUs, in one step."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as fresh:
-        fresh.write_text(json.dumps(record, indent=2, sort_keys=True) + "\n")
+    same_compiler = compiler is None or note.get("compiler") == compiler
+    return "fresh" if same_compiler and note.get("inputs") == inputs else "stale"

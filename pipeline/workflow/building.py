@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pipeline.export.catalogue import recipes
 from pipeline.export.compiler import describe_compiler
-from pipeline.export.freshness import RECORD, fingerprint, read_record, state
+from pipeline.export.freshness import fingerprint, state
 from pipeline.paths import FMUS, MODELICA, built_fmu
 from pipeline.plant.binding import gains_of_bindings, variants_of_bindings
 from pipeline.workflow.acquire import check_file, data_files
@@ -22,9 +22,9 @@ def fmu_states(session: Session) -> dict[str, str]:
     """What those of the experiment's FMUs are that we can build: {name: "missing", "foreign", "stale" or "fresh"}."""
     offered = recipes(MODELICA, gains_of_bindings(), variants_of_bindings())
     files = {built_fmu(name, session.experiment.fmi): name for name in offered}
-    compiler, record = describe_compiler(), read_record(FMUS / RECORD)
+    compiler = describe_compiler()
     ours = {files[path]: path for path in fmu_files(session) if path in files}
-    return {n: state(path, fingerprint(MODELICA, offered[n]), compiler, record) for n, path in ours.items()}
+    return {n: state(path, fingerprint(MODELICA, offered[n]), compiler) for n, path in ours.items()}
 
 
 def prepare(session: Session, runs: tuple[bool, ...] = (False, True)) -> None:

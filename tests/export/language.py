@@ -5,7 +5,7 @@ from tempfile import mkdtemp
 
 import casadi as ca
 
-from pipeline.export.build import write_fmu
+from pipeline.export.build import compile_fmus, library_name, write_contents
 from pipeline.export.equations import translate
 from pipeline.export.frontend import load
 from tests.export.driver import Archive
@@ -21,6 +21,12 @@ def source_of(folder: Path, text: str, model: str = "M"):
 def model_of(folder: Path, text: str, model: str = "M", **start_values):
     """The sorted equations of a model in a text."""
     return translate(source_of(folder, text, model), start_values)
+
+
+def write_fmu(model, path: Path, fmi: str = "2") -> Path:
+    """The FMU of a sorted model."""
+    compile_fmus(write_contents(model, library_name({fmi: path})), {fmi: path})
+    return path
 
 
 def archive_of(folder: Path, text: str, model: str = "M", fmi: str = "2", **start_values) -> Archive:

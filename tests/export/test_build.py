@@ -13,10 +13,10 @@ import pytest
 
 from pipeline.errors import ExportError
 from pipeline.export import compiler
-from pipeline.export.archive import write_archive
+from pipeline.export.archive import read_note, write_archive
 from pipeline.export.build import Built, build
 from pipeline.export.catalogue import exported, identifier
-from pipeline.export.freshness import EXPORTER, digest
+from pipeline.export.freshness import EXPORTER
 from pipeline.paths import PACKAGE
 
 PLANT = """within Small.FMUs;
@@ -88,6 +88,26 @@ def test_what_is_up_to_date_is_skipped_and_what_changed_is_not(package, tmp_path
     assert skipped() == [False]
 
 
+def test_what_was_made_before_another_failed_is_up_to_date(package, tmp_path):
+    (package / "FMUs/PlantLoop.mo").write_text(LOOP.replace("-plant.y", "-missing"))
+    with pytest.raises(ExportError, match="PlantLoop"):
+        build(None, tmp_path / "out", fmi="2", modelica=package)
+    assert not (tmp_path / "out/plant_loop.fmu").exists()
+    assert build(["plant"], tmp_path / "out", fmi="2", modelica=package)[0].skipped
+
+
+def test_a_build_that_dies_leaves_what_it_made_up_to_date(package, tmp_path, monkeypatch):
+    def write_and_die(path, *rest):
+        write_archive(path, *rest)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("pipeline.export.build.write_archive", write_and_die)
+        with pytest.raises(KeyboardInterrupt):
+            build(["plant"], tmp_path / "out", fmi="2", modelica=package)
+    assert build(["plant"], tmp_path / "out", fmi="2", modelica=package)[0].skipped
+
+
 def test_each_version_is_up_to_date_by_itself(package, tmp_path):
     def made(fmi, **options):
         built = build(["plant"], tmp_path, fmi=fmi, modelica=package, **options)
@@ -148,7 +168,7 @@ def test_the_fingerprint_covers_every_module_the_exporter_imports():
 
 def test_the_same_sources_give_the_same_bytes(package, tmp_path):
     first, second = (build(["plant"], tmp_path / name, modelica=package)[0].path for name in ("a", "b"))
-    assert digest(first) == digest(second)
+    assert first.read_bytes() == second.read_bytes()
 
 
 def test_other_sources_give_another_guid(package, tmp_path):
@@ -244,3 +264,18 @@ def test_an_archive_does_not_remember_when_it_was_written(tmp_path):
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
     assert ZipFile(tmp_path / "a").read("folder/y") == b"2" * 1000
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
+
+
+def test_an_archive_has_a_note_until_a_byte_of_it_changes(tmp_path):
+    path, note = tmp_path / "a.fmu", {"inputs": "0f"}
+    write_archive(path, {"x": b"1" * 50}, note)
+    data = path.read_bytes()
+    assert read_note(path).items() >= note.items() and ZipFile(path).testzip() is None
+    for k in range(data.index(b"{")):
+        path.write_bytes(data[:k] + bytes([data[k] ^ 1]) + data[k + 1 :])
+        assert read_note(path) == {}, k
+    for other in (b"", b"damaged", data + b"theirs", data[:-1]):
+        path.write_bytes(other)
+        assert read_note(path) == {}
+    write_archive(path, {"x": b"1"})
+    assert read_note(path) == {}

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from pipeline.errors import ExportError
-from pipeline.export.build import build, write_fmu
+from pipeline.export.build import build
 from pipeline.export.variants import with_inputs
 from pipeline.plant.binding import variants_of_bindings
 from tests.export.driver import Archive
-from tests.export.language import model_of
+from tests.export.language import model_of, write_fmu
 from tests.export.test_build import package  # noqa: F401
 from tests.export.test_derivatives import EVERYTHING, check, jacobian, relative_error
 from tests.export.test_fmus_states import DRIVEN, NEW, OLD, STARTS, inputs
