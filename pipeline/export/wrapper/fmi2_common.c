@@ -95,11 +95,8 @@ fmi2Status fmi2SetReal(fmi2Component pointer, const fmi2ValueReference vr[], siz
 static fmi2Status get_integers(fmi2Component pointer, const fmi2ValueReference vr[], size_t n, int value[], Type type,
                                const char *function) {
     ENTER_AS(ANY_MODE, function);
-    for (size_t i = 0; i < n; i++) {
-        double number;
-        if (!get_values(c, vr + i, 1, type, &number)) return report2(component, fmi2Error, function);
-        value[i] = (int)number;
-    }
+    for (size_t i = 0; i < n; i++)
+        if (!get_integer(c, vr[i], type, value + i)) return report2(component, fmi2Error, function);
     return fmi2OK;
 }
 

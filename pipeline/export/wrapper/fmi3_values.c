@@ -24,8 +24,8 @@ fmi3Status fmi3SetFloat64(fmi3Instance pointer, const fmi3ValueReference vr[], s
         ENTER(ANY_MODE);                                                                                            \
         bool good = scalars(c, n, n_values);                                                                        \
         for (size_t i = 0; good && i < n; i++) {                                                                    \
-            double number = 0;                                                                                      \
-            good = get_values(c, vr + i, 1, TYPE, &number);                                                         \
+            int number = 0;                                                                                         \
+            good = get_integer(c, vr[i], TYPE, &number);                                                            \
             values[i] = (fmi3##Name)number;                                                                         \
         }                                                                                                           \
         GIVE(good);                                                                                                 \

@@ -70,6 +70,7 @@ void indicators(Instance *c, double *truth, double *indicator);
 
 /* values.c */
 bool get_values(Instance *c, const unsigned *references, size_t n, Type type, double *values);
+bool get_integer(Instance *c, unsigned reference, Type type, int *value);
 bool set_values(Instance *c, const unsigned *references, size_t n, Type type, const double *values);
 
 bool is_variable(Instance *c, unsigned reference, Type type);

@@ -1,6 +1,7 @@
 /* Reading and setting variables by value reference. */
 #include "instance.h"
 
+#include <limits.h>
 #include <math.h>
 
 /* The modes in which a variable of each kind may be set. For states Model Exchange has a call of its own, but there are
@@ -58,6 +59,16 @@ bool get_values(Instance *c, const unsigned *references, size_t n, Type type, do
         if (!is_variable(c, references[i], type)) return false;
         values[i] = value_of(c, references[i]);
     }
+    return true;
+}
+
+/* An Integer or Boolean: all values are kept as numbers, and equations may leave the range. */
+bool get_integer(Instance *c, unsigned reference, Type type, int *value) {
+    double number;
+    if (!get_values(c, &reference, 1, type, &number)) return false;
+    if (!(number >= INT_MIN && number <= INT_MAX))
+        return fail(c, "%s is %g: no Integer of 32 bits", VARIABLES[reference].name, number);
+    *value = (int)number;
     return true;
 }
 
