@@ -50,7 +50,7 @@ fmi2Status fmi2SetContinuousStates(fmi2Component pointer, const fmi2Real x[], si
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component pointer, fmi2Real dx[], size_t n) {
-    ENTER(EVENT | CONTINUOUS);
+    ENTER(EVENT | CONTINUOUS | TERMINATED);
     if (!right_count(c, n, N_STATES, "derivatives")) return report2(component, fmi2Error, __func__);
     refresh(c, STALE_DERIVATIVES);
     memcpy(dx, DX(c), n * sizeof *dx);
@@ -58,7 +58,7 @@ fmi2Status fmi2GetDerivatives(fmi2Component pointer, fmi2Real dx[], size_t n) {
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component pointer, fmi2Real indicator[], size_t n) {
-    ENTER(INITIALIZATION | EVENT | CONTINUOUS);
+    ENTER(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     if (!right_count(c, n, N_RELATIONS, "event indicators")) return report2(component, fmi2Error, __func__);
     double truth[N_RELATIONS + 1];
     indicators(c, truth, indicator);
