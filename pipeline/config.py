@@ -120,19 +120,20 @@ def convert(table: dict, kind: type[Settings], where: str):
     try:
         return msgspec.convert(copy.deepcopy(table), kind)
     except msgspec.ValidationError as error:
-        raise ConfigError(f"{where}: {_explain(str(error), kind)}") from None
+        raise ConfigError(f"{where}: {_explain(str(error), kind, table)}") from None
 
 
 def _refuse_non_finite(value: Any, where: str, key: str = "") -> None:
     """TOML knows nan and inf; no setting does."""
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for name, item in items:
-        _refuse_non_finite(item, where, f"{key}.{name}" if key else str(name))
+        place = f"{key}[{name}]" if isinstance(value, list) else f"{key}.{name}" if key else str(name)
+        _refuse_non_finite(item, where, place)
     if isinstance(value, float) and not math.isfinite(value):
         raise ConfigError(f"{where}: `{key}` is {value}; give a finite number")
 
 
-def _explain(message: str, kind: type[Settings]) -> str:
+def _explain(message: str, kind: type[Settings], table: dict) -> str:
     """msgspec's message, with what would be right there."""
     place = re.search(r"at `\$(.*?)`$", message)
     path = place[1].lstrip(".") if place else ""
@@ -151,7 +152,20 @@ def _explain(message: str, kind: type[Settings]) -> str:
     allowed = [
         json.dumps(v) for node in nodes if isinstance(node, inspect.LiteralType | inspect.EnumType) for v in node.values
     ]
-    return f"{words}; give one of {', '.join(allowed)}" if allowed else words
+    if allowed:
+        return f"{words}; give one of {', '.join(allowed)}"
+    given = _value_at(table, path)
+    return words if given is None or len(str(given)) > 60 else f"{words}, which is {json.dumps(given, default=str)}"
+
+
+def _value_at(table: Any, path: str) -> Any:
+    """What stands at a path such as `ekf.case[0].method`; None where that cannot be followed."""
+    for name, index in re.findall(r"([^.\[\]]+)(?![^\[]*\])|\[(\d+)\]", path):
+        try:
+            table = table[int(index)] if index else table[name]
+        except (LookupError, TypeError):
+            return None
+    return table
 
 
 def _nodes_at(kind: type[Settings], path: str) -> list[inspect.Type]:

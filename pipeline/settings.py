@@ -155,7 +155,7 @@ class EkfCase(Settings):
     """
 
     name: str
-    tunings: tuple[Literal["paper", "known", "derived"], ...]
+    tunings: Annotated[tuple[Literal["paper", "known", "derived"], ...], msgspec.Meta(min_length=1)]
     chi0: tuple[float, ...] = ()
     wls_factor: float | None = None
     P0_state: tuple[Positive, ...] = ()

@@ -139,7 +139,7 @@ def test_an_extension_that_leads_nowhere_is_refused(tmp_path, text, message):
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf"])
 def test_no_setting_is_nan_or_infinite(value):
-    with pytest.raises(ConfigError, match=r"`ekf\.case\.3\.wls_factor` is -?(nan|inf); give a finite number"):
+    with pytest.raises(ConfigError, match=r"`ekf\.case\[3\]\.wls_factor` is -?(nan|inf); give a finite number"):
         load_experiment("scara", [f"ekf.case.3.wls_factor={value}"])
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.config import convert, read_toml
-from pipeline.errors import ConfigError, FmuError
+from pipeline.errors import ConfigError
 from pipeline.paths import BINDINGS
 from pipeline.plant.fmu import Fmu
 from pipeline.settings import Positive, Settings
@@ -136,11 +136,22 @@ def load_binding(name_or_path: str, base: Path | None = None) -> Binding:
         known = sorted(p.stem for p in BINDINGS.glob("*.toml"))
         raise ConfigError(f"{path}: no such binding; known ones are {', '.join(known)}, or give a path to a .toml file")
     binding = convert({"folder": str(path.parent), **read_binding(path)}, Binding, path.name)
-    names = [j.input for j in binding.joint] + [p.variable or p.name for p in binding.parameter]
-    for name in names:
-        if names.count(name) > 1:
-            raise ConfigError(f"{path.name}: `{name}` is bound twice; each variable can serve once")
+    _check_roles(binding, path.name)
     return binding
+
+
+def _check_roles(binding: Binding, where: str) -> None:
+    """Each variable serves once: among those that are set, and among those that are read; a gain moves its joint."""
+    joints = binding.joint
+    to_set = [j.input for j in joints] + [p.variable or p.name for p in binding.parameter]
+    to_set += [name for j in joints for name in (j.position_start, j.velocity_start, j.gain_parameter) if name]
+    to_read = [name for j in joints for name in (j.position, j.velocity)]
+    for name in (*to_set, *to_read):
+        if to_set.count(name) > 1 or to_read.count(name) > 1:
+            raise ConfigError(f"{where}: `{name}` is bound twice; each variable can serve once")
+    for joint in joints:
+        if joint.gain == 0.0:
+            raise ConfigError(f"{where}: joint {joint.name}: gain is 0, so no input moves it; give force per input")
 
 
 def read_binding(path: Path) -> dict:
@@ -158,7 +169,7 @@ def read_binding(path: Path) -> dict:
 
 
 def check_binding(binding: Binding, file: Fmu) -> None:
-    """Hold the binding against the model description: names, causality, units. Raises FmuError."""
+    """Hold the binding against the model description: names, causality, units. Raises ConfigError."""
     for joint in binding.joint:
         _expect(file, joint.input, ("input",), joint.input_unit)
         _expect(file, joint.position, (), joint.position_unit)
@@ -177,12 +188,12 @@ def _expect(file: Fmu, name: str, causalities: tuple[str, ...], unit: str) -> No
     variable = file.variable(name)
     if causalities and variable.causality not in causalities:
         wanted = " or ".join(causalities)
-        raise FmuError(
+        raise ConfigError(
             f"{file.path.name}: `{name}` is of causality {variable.causality} there, the binding wants {wanted}"
         )
     declared = variable.unit or (variable.declaredType.unit if variable.declaredType is not None else None)
     if declared is not None and declared != unit:
-        raise FmuError(
+        raise ConfigError(
             f"{file.path.name}: `{name}`: the FMU says `{declared}`, the binding says `{unit}`; make them one"
         )
 

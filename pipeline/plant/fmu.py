@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 import fmpy
 from fmpy.model_description import ModelDescription, ScalarVariable
 
-from pipeline.errors import FmuError
+from pipeline.errors import ConfigError, FmuError
 from pipeline.plant.fmi2 import Fmi2
 from pipeline.plant.fmi3 import Fmi3
 from pipeline.plant.log import close_log, open_log
@@ -56,12 +56,12 @@ class Fmu:
         return self.description.fmiVersion[:3]
 
     def variable(self, name: str) -> ScalarVariable:
-        """The variable called `name`; FmuError with the nearest names where there is none."""
+        """The variable called `name`; ConfigError with the nearest names where there is none."""
         table = {v.name: v for v in self.description.modelVariables}
         if name not in table:
             near = get_close_matches(name, table, n=3, cutoff=0.4)
             hint = f"; nearest: {', '.join(near)}" if near else ""
-            raise FmuError(f"{self.path.name}: no variable `{name}`{hint}; correct the name in the binding")
+            raise ConfigError(f"{self.path.name}: no variable `{name}`{hint}; correct the name")
         return table[name]
 
     def reference(self, name: str) -> int:

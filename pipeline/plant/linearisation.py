@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.errors import FmuError
+from pipeline.errors import ConfigError, FmuError
 from pipeline.plant.binding import Binding
 from pipeline.plant.cosimulation import Slave
 from pipeline.plant.fmu import Fmu
@@ -50,6 +50,12 @@ def linear_plant(plant: ModelExchangePlant, q: np.ndarray) -> LinearPlant:
         raise FmuError(
             f"{plant.file.path.name}: its inputs do not move every joint; check them in the binding"
         ) from None
+    M_inverse = B[:n] / plant.binding.gain
+    if np.linalg.eigvalsh(M_inverse + M_inverse.T)[0] <= 0.0:
+        raise ConfigError(
+            f"{plant.file.path.name}: the mass matrix at the a-priori values is not positive definite; correct "
+            "a_priori, or the sign of the gain, in the binding"
+        )
     A = _differences(lambda s: plant.derivatives(s, u, chi), rest, np.full(2 * n, STATE_STEP))
     return LinearPlant(q, u, A, B)
 
@@ -79,9 +85,10 @@ def pulse_responses(file: Fmu, settings: ControllerSettings, q: np.ndarray, u_ra
         large = _answer(file, settings, q, size * direction, REST + 1) / size
         if np.max(np.abs(large - small)) > TOLERANCE * np.max(np.abs(small)):
             name = (*settings.reference, *settings.position)[i]
-            raise FmuError(
-                f"{file.path.name}: not linear in `{name}`: pulses of {PROBE:g} and {size:.2g} get answers that are no "
-                "multiples of each other"
+            raise ConfigError(
+                f"{file.path.name}: not linear in `{name}` at rest at {np.round(q, 3).tolist()}: pulses of {PROBE:g} "
+                f"and {size:.2g} get answers that are no multiples of each other; does it saturate there, are "
+                "reference and position of the same joint?"
             )
         responses.append(large)
     return np.stack(responses).transpose(2, 0, 1)

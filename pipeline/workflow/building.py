@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pipeline.errors import ConfigError
 from pipeline.export.catalogue import recipes
 from pipeline.export.compiler import describe_compiler
 from pipeline.export.freshness import fingerprint, state
 from pipeline.paths import FMUS, MODELICA, built_fmu
-from pipeline.plant.binding import gains_of_bindings, variants_of_bindings
+from pipeline.plant.binding import check_binding, gains_of_bindings, variants_of_bindings
+from pipeline.plant.fmu import Fmu, open_fmu
 from pipeline.workflow.acquire import check_file, data_files
 from pipeline.workflow.session import Session
 
@@ -28,10 +30,45 @@ def fmu_states(session: Session) -> dict[str, str]:
 
 
 def prepare(session: Session, runs: tuple[bool, ...] = (False, True)) -> None:
-    """Before the runs (True: validation): their data files are there, the FMUs up to date. DataError, ExportError."""
+    """Before the runs (True: validation): their data files are there, the FMUs up to date and what the settings say.
+
+    Raises DataError, ExportError, ConfigError, FmuError.
+    """
     for validation in runs:
         check_file(session, data_files(session)[validation])
     build_fmus(session)
+    check_fmus(session)
+
+
+def check_fmus(session: Session) -> None:
+    """Hold the binding and the controller's ports against the FMUs' descriptions, before a step is simulated.
+
+    Raises ConfigError for a wrong name, causality or unit, FmuError for a file that is no FMU.
+    """
+    with open_fmu(session.binding.path) as file:
+        check_binding(session.binding, file)
+    controller = session.experiment.controller
+    if controller is None:
+        return
+    with open_fmu(session.controller_fmu) as file:
+        inputs = ("reference", "reference_velocity", "position", "extra")
+        for key in (*inputs, "output"):
+            for name in getattr(controller, key):
+                found, wanted = _variable(file, name, key).causality, "input" if key in inputs else "output"
+                if found != wanted:
+                    raise ConfigError(
+                        f"controller.{key}: `{name}` of {file.path.name} is of causality {found}; name an {wanted}"
+                    )
+        for key in ("position_start", "velocity_start", "start"):
+            for name in getattr(controller, key):
+                _variable(file, name, key)
+
+
+def _variable(file: Fmu, name: str, key: str):
+    try:
+        return file.variable(name)
+    except ConfigError as error:
+        raise ConfigError(f"controller.{key}: {error}") from None
 
 
 def build_fmus(session: Session) -> None:

@@ -50,7 +50,8 @@ def follow_loop(session: Session, frame: pd.DataFrame) -> tuple[Session, LoopSta
         reason = str(error)
         needy = [w.name for w in variants if follows_loop(w)]
         if needy:
-            raise type(error)(f"{needy[0]}: no cut-off can follow the loop: {error}; set the cut-offs") from error
+            what = f"{needy[0]}: its cut-offs follow the closed loop, which cannot be analysed"
+            raise type(error)(f"{what}: {error} (or set the cut-offs)") from error
     resolved = tuple(resolve(w, session.rate, f_dyn) for w in variants)
     filters = {w.name: described(w, r, session.rate) for w, r in zip(variants, resolved, strict=True)}
     session = replace(session, experiment=structs.replace(session.experiment, wls=resolved))

@@ -20,6 +20,7 @@ from pipeline.paths import BINDINGS, MODELICA, built_fmu
 from pipeline.plant.binding import Binding, load_binding, variants_of_bindings
 from pipeline.settings import Experiment, WlsSettings
 from pipeline.signals.cutoffs import check_cutoffs, follows_loop
+from pipeline.simulate.closed_loop import PERIOD_TOLERANCE
 from pipeline.simulate.sensors import position_variance
 
 
@@ -96,6 +97,7 @@ def open_session(
     session = Session(experiment, binding, folder, None if data is None else Path(data), narrate)
     _check_sizes(session)
     _check_filters(session)
+    _check_period(session)
     return session
 
 
@@ -111,6 +113,16 @@ def _ours(binding: Binding, fmi: str) -> Binding:
         return binding
     file = built_fmu(name, fmi)
     return structs.replace(binding, folder=str(file.parent), fmu=file.name)
+
+
+def _check_period(session: Session) -> None:
+    """The controller acts on every sample of the data: its loop, and the cut-offs that follow it, rest on that."""
+    controller = session.experiment.controller
+    if controller is not None and abs(controller.period * session.rate - 1.0) > PERIOD_TOLERANCE:
+        raise ConfigError(
+            f"{session.experiment.name}: controller.period is {controller.period:g} s, but the data come every "
+            f"{1.0 / session.rate:g} s ({session.rate:g} Hz); make them one"
+        )
 
 
 def _check_filters(session: Session) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.errors import FmuError
+from pipeline.errors import FmuError, FmuidError
 from pipeline.plant.cosimulation import Slave
 from pipeline.plant.fmu import open_fmu
 from tests.plant.misbehaving import build_misbehaving
@@ -82,7 +82,7 @@ def test_a_failed_initialisation_and_a_refused_value_are_errors(fmu):
     [({"stat": 1.0}, "no variable `stat`; nearest: status"), ({"count": 1.0}, "`count` is of type Integer")],
 )
 def test_wrong_names_and_types_are_refused(fmu, start, words):
-    with pytest.raises(FmuError, match=words):
+    with pytest.raises(FmuidError, match=words):
         Slave(fmu, start)
 
 
