@@ -8,7 +8,7 @@ Integers are numbers. A relation with an event is not evaluated: it is the symbo
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -25,30 +25,16 @@ from pipeline.export.arrays import (
     matrix_power,
     size,
     to_int,
+    unflatten,
     unit_matrix,
     update,
-)  # fmt: skip
+)
 from pipeline.export.frontend import Source
 from pipeline.export.functions import call
 from pipeline.export.operators import ARRAYS, BINARY, FUNCTIONS, STEPS, UNARY
+from pipeline.export.scope import Scope
 
 HELD = {"parameter", "discrete_real", "discrete_value", "pre_discrete_real", "pre_discrete_value"}
-
-
-@dataclass(frozen=True)
-class Scope:
-    """What an expression is read in: the variables' values by coordinate (kind, index), relation symbols by node,
-    the loop variables of a for-family and, inside a function, its values and the functions that are being called.
-
-    quiet: within noEvent() or smooth().
-    """
-
-    coordinates: Mapping[tuple[str, int], Value]
-    relations: Mapping[int, ca.SX] = field(default_factory=dict)
-    binders: Mapping[tuple[int, int], int] = field(default_factory=dict)
-    arguments: dict[tuple[str, int], Value] = field(default_factory=dict)
-    calls: tuple[int, ...] = ()
-    quiet: bool = False
 
 
 class Expressions:
@@ -126,7 +112,10 @@ class Expressions:
         return tuple(self.read(operand, scope) for operand in self.operands[i])
 
     def _read_comprehension(self, i: int, body: dict, scope: Scope) -> Value:
-        return tuple(self.read(body["body"], inner) for inner in self.iterate(body["domain"], scope))
+        """An array with a dimension for each iterator, as the front end starts one that is assigned by element."""
+        binders = self.source.dae["domains"][body["domain"]]["domain"]["binders"]
+        items = (self.read(body["body"], inner) for inner in self.iterate(body["domain"], scope))
+        return unflatten(items, [len(steps(binder)) for binder in binders])
 
     def _read_index(self, i: int, body: dict, scope: Scope) -> Value:
         return index(self.read(body["base"], scope), self._picks(i, scope))
@@ -241,9 +230,13 @@ class Expressions:
         outside = entry["parent"] is None or (entry["parent"], 0) in scope.binders
         scopes = [scope] if outside else self.iterate(entry["parent"], scope)
         binders = entry["domain"]["binders"]
-        ranges = [range(b["lower"], b["upper"] + (1 if b["step"] > 0 else -1), b["step"]) for b in binders]
         return [
             replace(outer, binders={**outer.binders, **{(domain, k): value for k, value in enumerate(values)}})
             for outer in scopes
-            for values in product(*ranges)
+            for values in product(*map(steps, binders))
         ]
+
+
+def steps(binder: dict[str, int]) -> range:
+    """The values of a loop variable."""
+    return range(binder["lower"], binder["upper"] + (1 if binder["step"] > 0 else -1), binder["step"])

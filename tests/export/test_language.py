@@ -7,10 +7,11 @@ import pytest
 from pipeline.paths import ROOT
 from tests.export.held import CONTINUOUS
 from tests.export.held_events import EVENTS
+from tests.export.held_functions import FUNCTIONS
 from tests.export.language import archive_of
 from tests.export.refused import REFUSED
 
-HELD = CONTINUOUS | EVENTS
+HELD = CONTINUOUS | FUNCTIONS | EVENTS
 CASES = [(row, k) for row, cases in HELD.items() for k in range(len(cases))]
 ROW = re.compile(r"^\| (?P<construct>.+?) \| (?P<what>held|refused) \|.*\|$", re.MULTILINE)
 
