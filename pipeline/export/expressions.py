@@ -101,11 +101,20 @@ class Expressions:
         return elementwise(BINARY[operator], left, right)
 
     def _read_conditional(self, i: int, body: dict, scope: Scope) -> Value:
+        """A branch that is not taken whatever the FMU does is not read: x[i - 1] where i is 1."""
         *pairs, otherwise = self.operands[i]
-        value = self.read(otherwise, scope)
-        for condition, branch in reversed(list(zip(pairs[::2], pairs[1::2], strict=True))):
+        taken = []
+        for condition, branch in zip(pairs[::2], pairs[1::2], strict=True):
             test = self.read(condition, scope)
-            value = elementwise(lambda a, b, test=test: ca.if_else(test, a, b), self.read(branch, scope), value)
+            known = self._known_integer(test)
+            if known:
+                otherwise = branch
+                break
+            if known is None:
+                taken.append((test, self.read(branch, scope)))
+        value = self.read(otherwise, scope)
+        for test, branch in reversed(taken):
+            value = elementwise(lambda a, b, test=test: ca.if_else(test, a, b), branch, value)
         return value
 
     def _read_array(self, i: int, body: dict, scope: Scope) -> Value:
@@ -174,8 +183,7 @@ class Expressions:
 
     def _filled(self, name: str, operands: list[int], scope: Scope) -> Value:
         if name == "identity":
-            n = self.integer(operands[0], scope)
-            return unit_matrix(n)
+            return unit_matrix(self.integer(operands[0], scope))
         if name == "linspace":
             first, last = (self.read(operand, scope) for operand in operands[:2])
             n = self.integer(operands[2], scope)

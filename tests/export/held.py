@@ -115,6 +115,16 @@ CONTINUOUS: dict[str, list[tuple]] = {
             "Real x[2, 3]={{10*i + j for j in 1:3} for i in 1:2}; Real s=sum({sum({i*j for j in 1:3}) for i in 1:2});",
             {"x[2,3]": 23, "x[1,2]": 12, "s": 18},
         ),
+        (
+            "parameter Integer n=3; Real x[n](each start=1, each fixed=true); Real y[n]; equation for i in 1:n loop"
+            " der(x[i]) = (if i > 1 then x[i - 1] else 0) - x[i] + (if i == n then 0 elseif i < n then x[i + 1] else"
+            " x[i + 2]); if i < n then y[i] = x[i + 1]; else y[i] = 7; end if; end for;",
+            {
+                "x[3]": (expm(np.eye(3, k=1) + np.eye(3, k=-1) - np.eye(3)) @ np.ones(3))[2],
+                "y[2]": (expm(np.eye(3, k=1) + np.eye(3, k=-1) - np.eye(3)) @ np.ones(3))[2],
+                "y[3]": 7,
+            },
+        ),
     ],
     "extends and modifications": [
         (
