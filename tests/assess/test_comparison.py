@@ -1,6 +1,7 @@
 """The findings: every sentence follows from the numbers, and changes with them."""
 
 import pytest
+from scipy import stats
 
 from pipeline.assess.comparison import TOPICS, findings
 
@@ -69,7 +70,8 @@ def record():
         "Euler's step (Eq. 13) biases Fv1: 0.156 by Euler, 0.0700 by RK4, truth 0.0700, 6.1 sigma between EKF(3) Euler "
         "and EKF(3) known; mean NIS 2.10 passes, the innovations of joint 1 are coloured.",
         "EKF(1) failed: M = 0 at sample 0.",
-        "The sigma of EKF(2) is not to be trusted: residuals or innovations contradict it.",
+        "The sigma of EKF(2) is withheld: the residuals, the innovations, or the errors of the transition or its "
+        "Jacobian contradict it; which of them stands with each estimate.",
         "One EKF pass takes 6.0 s of CPU, 300 times the 0.020 s of WLS(3); the paper: 170 s against 3.00 s, 57 times "
         "(Pentium II).",
         "On the validation run EKF(3) known predicts the force best, to 4.02 % (noise alone: 4.01 %); WLS(1) is worst "
@@ -92,12 +94,18 @@ def test_a_variants_own_filters_are_told(record):
     assert any("errs by 80.0 % against 4.03 % (95.0 % with its own filters)." in s for s in findings(record))
 
 
-def test_honest_sigmas_are_told_together(record):
-    told = [s for s in findings(record) if s.endswith("nothing contradicts their sigma.")]
+def test_honest_sigmas_are_told_together_with_the_chance_of_such_a_distance(record):
+    told = [s for s in findings(record) if "distance from the truth" in s]
+    chance = 100.0 * (1.0 - (2.0 * stats.norm.cdf(1.0) - 1.0) ** 6)
     assert told == [
-        "WLS(3), EKF(2) known and EKF(3) known: no parameter is more than 1.0 of their own sigma off the truth "
-        "(limit 4); nothing contradicts their sigma."
+        "WLS(3), EKF(2) known and EKF(3) known: the largest distance from the truth is 1.0 of its own sigma (limit 4), "
+        f"Fv1 of WLS(3); where sigma is right, one of 6 distances is that large in at most {chance:.0f} % of runs."
     ]
+    record["estimates"]["EKF(3) known"]["parameters"]["Fv1"]["value"] = 0.07 + 0.03
+    chance = 100.0 * (1.0 - (2.0 * stats.norm.cdf(3.0) - 1.0) ** 6)
+    told = [s for s in findings(record) if "distance from the truth" in s]
+    assert "3.0 of its own sigma (limit 4), Fv1 of EKF(3) known; where sigma is right, one of 6" in told[0]
+    assert f"at most {chance:.1f} % of runs." in told[0]
 
 
 def test_a_measured_drive_is_set_against_the_published_values(record):
