@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.config import slug
 from pipeline.report.motion import TIME
-from pipeline.report.panels import Bars, Level, Panel, line
+from pipeline.report.panels import DASHED, Bars, Level, Panel, line
 from pipeline.report.run import FILTER_COLOURS, Run, has, times
 from pipeline.report.text import number, with_unit
 from pipeline.signals.correlation import autocorrelation
@@ -185,7 +185,7 @@ def _innovation(run: Run, name: str, table, joint: int) -> list[Panel]:
     inside = ""
     if sigma is not None:
         for sign, label in ((2, "2√S expected"), (-2, "−2√S")):
-            curves.append(line(label, times(table), sign * sigma, "truth", limit=1250, dash=True))
+            curves.append(line(label, times(table), sign * sigma, "truth", limit=1250, dash=DASHED))
         inside = f" {number(100 * float(np.nanmean(np.abs(values) <= 2 * sigma)), 3)} % inside ±2√S, 95 % are expected."
     rms = float(np.sqrt(np.nanmean(values**2)))
     over_time = Panel(

@@ -11,6 +11,7 @@ from pipeline.report.text import number, plus_minus
 from pipeline.units import unit_text
 
 PLOT, ROW, TOP, FOOT = 140, 18, 8, 26
+CHARACTER, GAP = 5.9, 6  # of a tick's label
 
 
 def interval_plots(run: Run) -> Html:
@@ -80,8 +81,12 @@ def _text(estimate: dict, parameter: dict, resolution: float | None) -> str:
 
 
 def _tick(value: float, x: float, base: float) -> Html:
-    shown = number(value, 6).rstrip("0").rstrip(".") if "." in number(value, 6) else number(value, 6)
-    return tag("g", tag("path", d=f"M{x} {base}v4"), tag("text", shown, x=x, y=base + 17), class_="tick")
+    return tag("g", tag("path", d=f"M{x} {base}v4"), tag("text", _shown(value), x=x, y=base + 17), class_="tick")
+
+
+def _shown(value: float) -> str:
+    text = number(value, 6)
+    return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def _range(rows: list, aim: tuple[str, float] | None) -> tuple[float, float]:
@@ -98,9 +103,15 @@ def _range(rows: list, aim: tuple[str, float] | None) -> tuple[float, float]:
 
 
 def _ticks(low: float, high: float, wanted: int = 4) -> list[float]:
-    """Round values inside the range, about `wanted` of them."""
+    """Round values inside the range, about `wanted` of them, or every second while their labels would touch."""
     raw = (high - low) / wanted
     power = 10.0 ** math.floor(math.log10(raw))
     step = next(m * power for m in (1, 2, 5, 10) if m * power >= raw)
-    first = math.ceil(low / step)
-    return [k * step for k in range(first, math.floor(high / step) + 1)]
+    ticks = [k * step for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
+    while len(ticks) > 1 and _widest(ticks) > PLOT * (ticks[1] - ticks[0]) / (high - low):
+        ticks = ticks[::2]
+    return ticks
+
+
+def _widest(ticks: list[float]) -> float:
+    return GAP + CHARACTER * max(len(_shown(v)) for v in ticks)

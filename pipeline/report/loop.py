@@ -11,7 +11,7 @@ from pipeline.report.run import Run
 from pipeline.report.text import DASH, number
 from pipeline.units import unit_text
 
-FACTORS = (("f_dyn", 1.0), ("2 f_dyn", 2.0), ("5 f_dyn", 5.0))
+FACTORS = (("f_dyn", 1.0, (2, 3)), ("2 f_dyn", 2.0, (5, 4)), ("5 f_dyn", 5.0, (10, 3, 2, 3)))  # each in its dashes
 
 
 def margins(run: Run) -> Html | None:
@@ -95,8 +95,8 @@ def _gain_panel(run: Run, found: dict, curves: dict, joint: int) -> Panel:
     bandwidth = [c["bandwidth"][joint] for c in found["configurations"]]
     bottom, top = -45.0, max(6.0, 1.1 * float(high.max()))
     marks = [
-        Line(label, np.full(2, factor * found["f_dyn"]), np.array([bottom, top]), "prior", dash=True)
-        for label, factor in FACTORS
+        Line(label, np.full(2, factor * found["f_dyn"]), np.array([bottom, top]), "prior", dash=dash)
+        for label, factor, dash in FACTORS
         if factor * found["f_dyn"] <= f[-1]
     ]
     return Panel(

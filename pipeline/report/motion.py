@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.config import slug
-from pipeline.report.panels import POINTS, Line, Panel, line
+from pipeline.report.panels import DASHED, POINTS, Line, Panel, line
 from pipeline.report.run import Run, has, times, trusted
 from pipeline.report.text import number, with_unit
 from pipeline.units import unit_text
@@ -95,7 +95,7 @@ def _state(run: Run, name: str, joint: int, kind: str, figure: int | None, measu
 def _true(measured, column: str) -> list[Line]:
     if not has(measured, column):
         return []
-    return [line("truth", times(measured), np.asarray(measured[column], float), "truth", dash=True, hidden=True)]
+    return [line("truth", times(measured), np.asarray(measured[column], float), "truth", dash=DASHED, hidden=True)]
 
 
 def _state_caption(kind: str) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 
 from pipeline.report.html import Html, tag
 
+DASHED = (5, 4)  # px drawn, px left out
 POINTS = 2600  # a run of 25 s at 100 Hz is drawn sample by sample
 
 
@@ -22,7 +23,7 @@ class Line:
     """A curve: x (N,), y (N,), and where given half (N,), the half width of a band around it (2 sigma).
 
     colour names a `--c-…` colour of style.css; `hidden` starts it switched off in the legend; `wide`: it
-    lies under another that is expected to cover it.
+    lies under another that is expected to cover it; dash: px drawn and left out in turn, () for a solid line.
     """
 
     label: str
@@ -30,7 +31,7 @@ class Line:
     y: np.ndarray
     colour: str
     half: np.ndarray | None = None
-    dash: bool = False
+    dash: tuple[int, ...] = ()
     hidden: bool = False
     wide: bool = False
 
@@ -117,7 +118,7 @@ class Store:
         shown |= {"x": self.put(series.x), "y": self.put(series.y)}
         if isinstance(series, Bars):
             return shown | {"width": float(series.width)}
-        shown |= {"dash": series.dash, "hidden": series.hidden, "wide": series.wide}
+        shown |= {"dash": list(series.dash), "hidden": series.hidden, "wide": series.wide}
         return shown if series.half is None else shown | {"half": self.put(series.half)}
 
 
@@ -145,19 +146,27 @@ def _figure(panel: Panel) -> Html:
 
 
 def _legend_key(index: int, series: Line | Level | Bars) -> Html:
-    dashed = isinstance(series, Level) or getattr(series, "dash", False)
-    banded = getattr(series, "half", None) is not None
     return tag(
         "button",
-        tag("span", class_="swatch" + (" dashed" if dashed else "") + (" banded" if banded else "")),
+        _swatch(series),
         series.label,
         tag("span", class_="readout", aria_hidden="true"),
         type="button",
         class_="key",
+        title="Click to hide or show",
         style=f"--c:var(--c-{series.colour})",
         data_series=str(index),
         aria_pressed="false" if getattr(series, "hidden", False) else "true",
     )
+
+
+def _swatch(series: Line | Level | Bars) -> Html:
+    """The series as its legend shows it: solid, in a band, or in its own dashes."""
+    dash = DASHED if isinstance(series, Level) else getattr(series, "dash", ())
+    if dash:
+        stroke = tag("path", d="M0 1H18", stroke_dasharray=" ".join(map(str, dash)))
+        return tag("svg", stroke, viewBox="0 0 18 2", class_="dashes", aria_hidden="true")
+    return tag("span", class_="swatch" + (" banded" if getattr(series, "half", None) is not None else ""))
 
 
 def _data_table(panel: Panel) -> Html | None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from textwrap import shorten
 
 from pipeline.report.html import Html, tag
 from pipeline.report.run import Run, ok
 from pipeline.report.text import DASH, estimate, number, plus_minus, short, sigma_text
 from pipeline.units import unit_text
 
+BRIEF = 70  # characters of a reason that a cell shows
 OURS = ("value", "σ", "%σ")
 
 
@@ -203,9 +205,9 @@ def _reason(word: str, why: str | None, rows: int, columns: int) -> Html:
 
 
 def _brief(why: str | None) -> str:
-    """The first clause of a long reason; the whole stands below the table (see _notes)."""
-    first = (why or "").split("; ")[0]
-    return first if len(first) == len(why or "") else f"{first} …"
+    """The first clause of a long reason, or as many whole words as there is room for; the rest stands in _notes."""
+    first = shorten((why or "").split("; ")[0], BRIEF, placeholder="")
+    return first if len(first) == len(why or "") else f"{first.rstrip(',:')} …"
 
 
 def _notes(run: Run, names: Iterable[str], every: bool = False) -> list[Html]:

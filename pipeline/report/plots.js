@@ -67,7 +67,7 @@ function styleAxes(figure, spec, look) {
 
 function addSeries(figure, series, look, alpha) {
   const colour = look.colour(series.colour);
-  const dash = series.dash || series.kind === "level" ? [5, 4] : [];
+  const dash = series.kind === "level" ? [5, 4] : series.dash || [];
   const visible = !series.hidden;
   if (series.kind === "level") {
     const style = {dimension: "width", line_color: colour, line_dash: dash, line_width: 1.3};

@@ -21,7 +21,8 @@ function svgPlot(spec, hidden, range) {
 
 function drawn(series, px, py) {
   const colour = `var(--c-${series.colour})`;
-  const dash = series.dash || series.kind === "level" ? ' stroke-dasharray="5 4"' : "";
+  const pattern = series.kind === "level" ? [5, 4] : series.dash || [];
+  const dash = pattern.length ? ` stroke-dasharray="${pattern.join(" ")}"` : "";
   const stroke = `fill="none" stroke="${colour}" stroke-width="${series.wide ? 2.6 : 1.2}"${dash}`;
   if (series.kind === "level") {
     return series.y.map((y) => `<path ${stroke} d="M0 ${py(y).toFixed(1)}h${PAPER.width}"></path>`).join("");

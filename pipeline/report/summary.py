@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipeline.report.html import Html, tag
-from pipeline.report.run import Run
+from pipeline.report.run import Run, ok, trusted
 from pipeline.report.text import count
 
 WORDS = {"pass": "PASS", "warn": "WARN", "fail": "FAIL"}
@@ -44,11 +44,27 @@ def verdict(run: Run) -> Html:
         "section",
         tag("p", icon(name), tag("strong", WORDS[name]), tag("span", _sentence(run, items, bad)), class_="word"),
         _items(bad) if bad else None,
+        _without(run),
         tag("details", tag("summary", f"{count(len(good), 'check')} that hold"), _items(good)) if good else None,
         class_=f"verdict {name}",
         id="verdict",
         aria_label="Verdict",
     )
+
+
+def _without(run: Run) -> Html | None:
+    """How many estimates failed or are shown without sigma, whatever the checks ask of them; their names folded."""
+    failed = [n for n, e in run.estimates.items() if not ok(e)]
+    withheld = [n for n, e in run.estimates.items() if ok(e) and not trusted(e)]
+    left = len(run.estimates) - len(failed)
+    told = [f"{len(failed)} of {count(len(run.estimates), 'estimate')} failed"] if failed else []
+    if withheld:
+        whole = f"the other {left}" if failed else count(left, "estimate")
+        told.append(f"σ is withheld for {len(withheld)} of {whole}")
+    lists = [
+        tag("p", tag("b", word), f": {', '.join(n)}") for word, n in (("Failed", failed), ("σ withheld", withheld)) if n
+    ]
+    return tag("details", tag("summary", "; ".join(told)), lists, class_="without") if told else None
 
 
 def _sentence(run: Run, items: list[dict], bad: list[dict]) -> str:

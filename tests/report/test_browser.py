@@ -112,6 +112,21 @@ def test_the_legend_hides_a_series(open_page):
     assert key.get_attribute("aria-pressed") == "false"
     hidden = "report.panels.find((p) => p.spec.key === 'course-ekf-2-0').hidden"
     assert page.evaluate(hidden)[0] is True
+    hint = "getComputedStyle(document.querySelector('.key[aria-pressed=false]'), '::after').content"
+    assert page.evaluate(hint) == '"(hidden: click to show)"'
+
+
+def test_the_marks_of_a_gain_are_drawn_in_three_dashes(open_page):
+    page = open_page("scara")
+    show(page, "loop-1")
+    gains = "Bokeh.documents.flatMap((d) => d.roots()).filter((f) => f.below[0].axis_label === 'Frequency in Hz')"
+    drawn = f"{gains}[0].renderers.map((r) => r.glyph.line_dash?.value?.join()).filter(Boolean)"
+    assert len(set(page.evaluate(drawn))) == 3
+    page.emulate_media(media="print")
+    page.wait_for_selector("#p-loop-1 + svg.paper", state="attached")
+    dashed = "[...document.querySelectorAll('#p-loop-1 + svg.paper path[stroke-dasharray]')]"
+    assert len(set(page.evaluate(f"{dashed}.map((p) => p.getAttribute('stroke-dasharray'))"))) == 3
+    assert page.errors == []
 
 
 def test_values_under_the_pointer_are_read_out(open_page):

@@ -8,6 +8,7 @@ import html5lib
 import pytest
 
 from pipeline.errors import DataError
+from pipeline.report import intervals
 from pipeline.report.page import page, write_page
 from pipeline.report.provenance import flat
 from pipeline.report.record import read_run
@@ -65,6 +66,22 @@ def test_the_verdict_comes_first_and_stands_in_the_title(texts):
     assert first.get("id") == "verdict"
     assert "WARN Of 3 checks: 1 to watch." in words(first)
     assert "WARN EKF(2), paper's tuning, mean NIS 0.005 1.82 … 2.18" in words(first)
+
+
+def test_beside_the_verdict_stands_what_failed_and_what_has_no_sigma(texts):
+    root = section(texts["scara"], "verdict")
+    record = synthetic.scara(samples=50)[0]["estimates"]
+    failed = [n for n, e in record.items() if e["status"] != "ok"]
+    bare = [n for n, e in record.items() if e["status"] == "ok" and e["sigma_reason"]]
+    folded = next(e for e in root.iter("details") if e.get("class") == "without")
+    left = len(record) - len(failed)
+    assert words(folded.find("summary")) == (
+        f"{len(failed)} of {len(record)} estimates failed; σ is withheld for {len(bare)} of the other {left}"
+    )
+    assert words(folded).endswith(f"Failed : {', '.join(failed)} σ withheld : {', '.join(bare)}")
+    record, signals = synthetic.scara(samples=50)
+    record["estimates"] = {n: e for n, e in record["estimates"].items() if n not in failed + bare}
+    assert 'class="without"' not in page(record, signals)
 
 
 @pytest.mark.parametrize(("status", "word"), [("pass", "PASS"), ("fail", "FAIL"), ("nonsense", "FAIL")])
@@ -134,6 +151,45 @@ def test_a_long_reason_is_cut_in_the_table_and_whole_below():
     parameters = words(section(page(record, signals), "parameters"))
     assert "σ withheld : mean NIS is low …" in parameters
     assert "EKF(2) : mean NIS is low; joint 1 is coloured; joint 2 is too" in parameters
+
+
+def test_a_long_reason_of_one_clause_is_cut_and_whole_below_too():
+    record, signals = synthetic.scara(samples=50)
+    why = "joint 1: the residual is coloured, autocorrelation 0.95 at 0.05 s (limit 0.15): biased by noise in W"
+    record["estimates"]["WLS(1)"]["sigma_reason"] = why
+    tables = {words(f.find("h4")): words(f) for f in tree(page(record, signals)).iter("figure")}
+    first = tables["Table 1: WLS estimation"]
+    assert "σ withheld : joint 1: the residual is coloured, autocorrelation 0.95 at 0.05 s …" in first
+    assert first.endswith(f"WLS(1) : {why}")
+
+
+def test_ticks_leave_room_for_their_labels():
+    for low, high in (
+        (0.0633, 0.0647),
+        (0.0, 1.0),
+        (-123456.0, 123457.0),
+        (3.4197, 3.42031),
+        (-1.0, 1.0),
+        (1e-7, 2e-7),
+    ):
+        ticks = intervals._ticks(low, high)
+        places = [intervals.PLOT * (v - low) / (high - low) for v in ticks]
+        widths = [5.9 * len(intervals._shown(v)) for v in ticks]
+        assert ticks and all(low <= v <= high for v in ticks)
+        for k in range(len(ticks) - 1):
+            assert places[k + 1] - places[k] > (widths[k] + widths[k + 1]) / 2
+    assert [round(v, 6) for v in intervals._ticks(0.06305, 0.06495)] == [0.0635, 0.0645]
+    assert intervals._ticks(-1.0, 1.0) == [-1.0, -0.5, 0.0, 0.5, 1.0]
+
+
+def test_the_marks_of_the_loop_have_dashes_of_their_own_and_the_legend_says_it_can_be_clicked(texts):
+    figure = next(
+        e for e in tree(texts["scara"]).iter("figure") if words(e.find("h4")).endswith("reference to position")
+    )
+    keys = {words(k): k for k in figure.iter("button")}
+    dashes = [keys[k].find(".//*[@stroke-dasharray]").get("stroke-dasharray") for k in ("f_dyn", "2 f_dyn", "5 f_dyn")]
+    assert len(set(dashes)) == 3 and None not in dashes
+    assert {k.get("title") for k in keys.values()} == {"Click to hide or show"}
 
 
 def test_settings_are_told_in_lines():
