@@ -14,9 +14,10 @@ from shutil import copy
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from pipeline.errors import ExportError
+from pipeline.errors import ConfigError, ExportError
 from pipeline.export.frontend_process import compile_model
 from pipeline.export.losses import find_losses
+from pipeline.export.plain_words import in_plain_words
 
 SCHEMA = 43
 
@@ -106,18 +107,34 @@ def find_span(entry: Any) -> dict[str, int] | None:
     return next((span for child in children if (span := find_span(child)) is not None), None)
 
 
+class NoSuchModel(ExportError):
+    """A name that no class has."""
+
+
 def load(path: Path, model: str) -> Source:
-    """Compile `model` to its DAE; ExportError where a part of it cannot be exported.
+    """Compile `model` to its DAE; ExportError where a part of it cannot be exported, ConfigError where no file is.
 
     path: a folder with package.mo, a folder of .mo files, or a .mo file, of which nothing beside it is read.
     """
     with TemporaryDirectory(prefix="fmuid-") as alone:
         file = _main_file(path, Path(alone).resolve())
         compiled = compile_model(file, model)
-    if "error" in compiled:
-        error = compiled["error"].replace(f"{file.parent}/", "")
-        raise ExportError(f"{model}: the Modelica front end refuses it: {error}")
+        if "error" in compiled:
+            raise _refusal(model, compiled["error"], file)
     return read_compiled(model, compiled["dae"], compiled["flat"], file)
+
+
+def _refusal(model: str, error: str, file: Path) -> ExportError:
+    """The error for what the front end says of a model in `file` or beside it."""
+    if error.endswith("could not be compiled because resolve/parse failed"):
+        return NoSuchModel(f"{model}: there is no such model")
+    root = file.parent.parent if file.name == "package.mo" else file.parent
+    texts = {
+        str(p.relative_to(root)): p.read_text(encoding="utf-8", errors="replace")
+        for p in sorted(file.parent.rglob("*.mo"))
+    }
+    error = in_plain_words(error.replace(f"{file.parent}/", ""), texts)
+    return ExportError(f"{model}: the Modelica front end refuses it: {error}")
 
 
 def _main_file(path: Path, alone: Path) -> Path:
@@ -126,10 +143,10 @@ def _main_file(path: Path, alone: Path) -> Path:
         package = path.resolve() / "package.mo"
         files = [package] if package.is_file() else sorted(path.resolve().glob("*.mo"))
         if not files:
-            raise ExportError(f"{path}: no package.mo and no other .mo file in it; give the folder of a package")
+            raise ConfigError(f"{path}: no package.mo and no other .mo file in it; give the folder of a package")
         return files[0]
     if path.suffix != ".mo" or not path.is_file():
-        raise ExportError(f"{path}: no such folder or .mo file; give the folder of a package, or a .mo file")
+        raise ConfigError(f"{path}: no such folder or .mo file; give the folder of a package, or a .mo file")
     return Path(copy(path, alone))
 
 

@@ -16,7 +16,7 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
         (
             "discrete Real k[2](each start=0, each fixed=true); equation when sample(0, 1) then k[1] = time; k[2] = 1;"
             "end when;",
-            "is not a discrete coordinate",
+            r"k\[1\] is assigned by element in a when-clause: assign the whole array",
         ),
         ("Boolean b[2]; equation b = {time > 0.3, time > 2};", "an array of discrete values"),
         (
@@ -45,7 +45,10 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
         ("Real x(start=1, fixed=true); Real y(start=1, fixed=true); equation der(x) = y; y = 2*x;", "init"),
     ],
     "initial algorithms, asserts in initial equations": [
-        ("Real x; initial algorithm x := 3; equation der(x) = -x;", "unsupported initial algorithm"),
+        (
+            "Real x; initial algorithm x := 3; equation der(x) = -x;",
+            r"an initial algorithm \(for x\): write",
+        ),
         ('parameter Real p=2; Real x=time; initial equation assert(p > 0, "p");', "assert in the initial equations"),
     ],
     "comprehensions with several iterators": [
@@ -57,7 +60,10 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
             " else 0; end for;",
             "an event in an array equation cannot be exported",
         ),
-        ("Real x[2]; equation for i in 1:2 loop x[i] = if time > i then 1 else 0; end for;", "structured event owner"),
+        (
+            "Real x[2]; equation for i in 1:2 loop x[i] = if time > i then 1 else 0; end for;",
+            "an event in a for-equation: use",
+        ),
     ],
     "floor, ceil, integer of what varies": [
         ("Real x=floor(3*time);", r"floor\(\) of what changes between events .* noEvent"),
@@ -92,9 +98,15 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
         ),
     ],
     "while, break, return": [
-        (f"{F} y := x; while y < 10 loop y := 2*y; end while; end f; Real y=f(3);", "without a checked DAE owner"),
-        (f"{F} y := 0; for i in 1:9 loop y := y + 1; if y > x then break; end if; end for; end f; Real y=f(3);", "`f`"),
-        (f"{F} y := 1; if x > 0 then return; end if; y := 2; end f; Real y=f(3);", "function return"),
+        (
+            f"{F} y := x; while y < 10 loop y := 2*y; end while; end f; Real y=f(3);",
+            "statement .* such as while",
+        ),
+        (
+            f"{F} y := 0; for i in 1:9 loop y := y + 1; if y > x then break; end if; end for; end f; Real y=f(3);",
+            "f .* break",
+        ),
+        (f"{F} y := 1; if x > 0 then return; end if; y := 2; end f; Real y=f(3);", "the function f has a return"),
     ],
     "recursive functions": [(f"{F} y := if x > 1 then x*f(x - 1) else 1; end f; Real y=f(time);", "f calls itself")],
     "external and impure functions": [
@@ -106,8 +118,11 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
     ],
     "assert in a function": [(f'{F} assert(x < 1, "x"); y := x; end f; Real y=f(time);', "function f: an assertion")],
     "algorithms that sum up or assign several": [
-        ("Real y; algorithm y := 0; for i in 1:3 loop y := y + i*time; end for;", "declarative algorithm"),
-        ("Real y; Real z; algorithm z := time; y := 2*z;", "multi-output algorithm"),
+        (
+            "Real y; algorithm y := 0; for i in 1:3 loop y := y + i*time; end for;",
+            "algorithm section .*: put it into a function",
+        ),
+        ("Real y; Real z; algorithm z := time; y := 2*z;", "algorithm section .*: put it into a function"),
         (
             "Real x=time; discrete Real d(start=0, fixed=true); algorithm when x > 0.5 then d := 1; end when;"
             "when x > 0.5 then d := 2; end when;",
@@ -137,14 +152,17 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
         ),
     ],
     "inner and outer of a predefined type": [
-        ("model W outer Real g; Real y=g; end W; inner Real g=3*time; W w;", "unbalanced model"),
+        (
+            "model W outer Real g; Real y=g; end W; inner Real g=3*time; W w;",
+            "is 2, of unknown variables 3",
+        ),
         ("model W outer parameter Real g; Real y=g; end W; inner parameter Real g=3; W w;", "w.g has no value"),
     ],
     "expandable connectors": [
         (
             "expandable connector Bus end Bus; connector O = output Real; block S O y; equation y = time; end S; Bus b;"
             "S s; equation connect(s.y, b.signal);",
-            "expandable connector",
+            r"an expandable connector \(connect\(s.y, b.signal\)\)",
         )
     ],
     "operator records": [
@@ -156,8 +174,8 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
     ],
     "String": [('parameter String s="a"; Real x=time;', r"variable s: its type string")],
     "der of an expression or of an input": [
-        ("Real x(start=0, fixed=true); Real y; equation der(x) = 1; y = der(x^2);", "derivative expression"),
-        ("input Real u; Real y=der(u);", "continuous state"),
+        ("Real x(start=0, fixed=true); Real y; equation der(x) = 1; y = der(x^2);", r"der\(\) of an expression: give"),
+        ("input Real u; Real y=der(u);", r"der\(\) of an input"),
     ],
     "non-linear algebraic loops": [
         ("Real x; Real y; equation x = cos(y);\n y = sin(x);", r"non-linear system.*: [xy], [xy]"),
@@ -172,17 +190,25 @@ REFUSED: dict[str, list[tuple[str, str]]] = {
     "singular or unbalanced systems": [
         ("Real x; Real y; equation x + y = time; 2*x + 2*y = 2;", "singular system of equations: [xy], [xy]"),
         ("Real x; equation x = 1; x = 2;", "refuses it"),
-        ("Real x; Real y; equation x + y = 1;", "unbalanced model"),
+        (
+            "Real x; Real y; equation x + y = 1;",
+            "equations is 1, of unknown variables 2; add",
+        ),
     ],
     "delay, spatialDistribution": [
         ("Real x=delay(time, 0.1);", r"delay\(\)"),
-        ("Real a; Real b; equation (a, b) = spatialDistribution(time, 0, time, true);", "spatialDistribution"),
+        (
+            "Real a; Real b; equation (a, b) = spatialDistribution(time, 0, time, true);",
+            "spatialDistribution is no",
+        ),
     ],
-    "synchronous elements": [("Real x; Clock c=Clock(0.1); equation x = previous(x) + 1;", "clocked")],
+    "synchronous elements": [
+        ("Real x; Clock c=Clock(0.1); equation x = previous(x) + 1;", r"synchronous .* sample\(\)")
+    ],
     "scalar, matrix, symmetric, ndims": [
-        ("Real y=scalar([time]);", "`scalar`"),
-        ("Real y[1, 1]=matrix(time);", "`matrix`"),
-        ("Real y[2, 2]=symmetric([1.0, 2; 3, 4]);", "`symmetric`"),
-        ("Real A[2]={1, 2}; Integer n=ndims(A);", "`ndims`"),
+        ("Real y=scalar([time]);", r"scalar\(\) cannot be exported: write"),
+        ("Real y[1, 1]=matrix(time);", r"matrix\(\) cannot be exported: write"),
+        ("Real y[2, 2]=symmetric([1.0, 2; 3, 4]);", r"symmetric\(\) cannot be exported: write"),
+        ("Real A[2]={1, 2}; Integer n=ndims(A);", r"ndims\(\) cannot be exported: write"),
     ],
 }

@@ -56,9 +56,10 @@ REFUSED = {
     "no model given": (["--modelica", "P"], "P: give --model, one of P.A, P.SlowFan"),
     "a model's name misspelt": (
         ["--modelica", "P", "--model", "P.SlowFin"],
-        "P: no model P.SlowFin; there are P.SlowFan",
+        "P: no model P.SlowFin; the nearest: P.SlowFan; there are P.A, P.SlowFan",
     ),
-    "no folder": (["--modelica", "Q", "--model", "P.A"], "Q: cannot be read"),
+    "no folder": (["--modelica", "Q", "--model", "P.A"], "Q: no such folder or file; give"),
+    "a model unlike all": (["--modelica", "P", "--model", "zzz"], "P: no model zzz; there are P.A, P.SlowFan"),
     "no Modelica": (["--modelica", "empty", "--model", "P.A"], "empty: no model in it"),
     "no FMU's name": (
         ["--modelica", "P", "--model", "P.A", "--output", "a.zip"],
@@ -74,6 +75,6 @@ REFUSED = {
 def test_what_cannot_be_built_is_refused_in_one_line(package, tmp_path, capsys, case):
     (tmp_path / "empty").mkdir()
     arguments, message = REFUSED[case]
-    assert main(["build", *arguments]) in (2, 3)
+    assert main(["build", *arguments]) == 2
     error = capsys.readouterr().err
-    assert error.startswith(f"fmuid: {message}") and error.count("\n") == 1
+    assert error.startswith(f"fmuid: {message}") and error.count("\n") == 1 and "Errno" not in error
