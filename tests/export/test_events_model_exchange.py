@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
-from pipeline.export.build import export, write_fmu
+from pipeline.export.build import export
 from pipeline.export.catalogue import Recipe
-from tests.export.language import archive_of, model_of
+from tests.export.language import archive_of, model_of, write_fmu
 
 BALL = """
 model Ball
