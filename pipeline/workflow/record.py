@@ -10,6 +10,7 @@ import pandas as pd
 
 from pipeline.assess.consistency import Consistency
 from pipeline.assess.residuals import residual_tests
+from pipeline.assess.wording import figures
 from pipeline.config import slug
 from pipeline.identify.discretisation import LIMIT
 from pipeline.identify.regression import Excitation
@@ -172,7 +173,7 @@ def with_sigma_reason(found: Filtered, test: Consistency | None) -> Filtered:
     reasons = [found.jacobian.doubt] if found.jacobian.doubt else []
     if found.shift is not None and found.shift > LIMIT:
         coarse = found.settings["transition"]
-        size = f"{found.shift:.2g} sigma (limit {LIMIT:g})"
+        size = f"{figures(found.shift, 2)} sigma (limit {LIMIT:g})"
         reasons.append(f"the errors of the transition by {coarse} may add up to {size}: refine it")
     if test is not None and not test.ok:
         reasons.append(test.sentence)
