@@ -13,7 +13,7 @@ import casadi as ca
 from pipeline.export.arrays import flatten
 from pipeline.export.expressions import Expressions, Scope
 from pipeline.export.frontend import Source
-from pipeline.export.relations import Relation, find_relations
+from pipeline.export.relations import Relation, find_relations, name_relations
 from pipeline.export.sorting import Equation
 from pipeline.export.variables import Entry
 
@@ -44,11 +44,12 @@ class Events:
 def new_events(source: Source, time: ca.SX) -> Events:
     """The symbols of a model's events: one per relation that has one, and one per clock."""
     nodes, timed = find_relations(source)
-    r = ca.SX.sym("relation()", len(nodes))
+    names = name_relations(source, nodes)
+    r = ca.vertcat(ca.SX(0, 1), *[ca.SX.sym(name) for name in names])
     return Events(
         time=time,
         r=r,
-        r_pre=ca.SX.sym("pre(relation())", len(nodes)),
+        r_pre=ca.vertcat(ca.SX(0, 1), *[ca.SX.sym(f"pre({name})") for name in names]),
         flags=ca.vertcat(ca.SX.sym("initial()"), *[ca.SX.sym("sample()") for _ in source.dae["clocks"]]),
         symbols={node: r[k] for k, node in enumerate(nodes)},
         timed=timed,

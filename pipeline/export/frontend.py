@@ -74,6 +74,14 @@ class Source:
         line = text.encode()[: span["start"]].count(b"\n") + 1
         return f"{name}:{line}"
 
+    def text(self, entry: Any) -> str:
+        """The Modelica text of an entry that carries a provenance, on one line, or ""."""
+        span = find_span(entry)
+        if span is None or span["source"] not in self.files:
+            return ""
+        text = self.files[span["source"]][1].encode()[span["start"] : span["end"]]
+        return " ".join(text.decode(errors="replace").split())
+
     def refuse(self, what: str, entry: Any = None) -> ExportError:
         """The error for what cannot be exported, with the place where it stands."""
         place = self.place(entry)

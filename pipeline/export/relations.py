@@ -52,6 +52,16 @@ def find_relations(source: Source) -> tuple[list[int], set[int]]:
     return sorted(rooted | timed), timed - rooted
 
 
+def name_relations(source: Source, nodes: list[int]) -> list[str]:
+    """What messages call the relations: their text and place; a number where several have the same."""
+    names: list[str] = []
+    for k, node in enumerate(nodes):
+        provenance = source.dae["expressions"]["provenance"][node]
+        name = f"the relation {source.text(provenance)} ({source.place(provenance)})"
+        names.append(f"{name} [{k + 1}]" if name in names else name)
+    return names
+
+
 def _at_place(source: Source, expressions: dict, entry: dict) -> Iterator[int]:
     """The relations that stand where a time event stands: the front end tells no more of it."""
     wanted, found = find_span(entry), False
