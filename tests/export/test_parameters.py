@@ -33,6 +33,30 @@ def test_derived_final_and_constant_parameters(tmp_path):
     assert values["der(x)"] == pytest.approx(-2 * 3 * 9.81 * (3 * 9.81 / 10) + 4)
 
 
+def test_parameters_of_a_running_model_are_tunable_but_those_of_sample_periods_and_starts(tmp_path):
+    text = """
+    model M
+      parameter Real T=0.1;
+      parameter Real double=2*T;
+      parameter Real gain=3;
+      parameter Real start=1;
+      parameter Real level=0.5;
+      parameter Real limit=9;
+      parameter Real scale=2;
+      discrete Real d(start=start, fixed=true);
+      Real x(start=start, fixed=true, nominal=scale);
+    equation
+      der(x) = if time > level then d*double else 0;
+      assert(x < limit, "x");
+      when sample(0, double) then
+        d = pre(d) + gain*T;
+      end when;
+    end M;
+    """
+    tunable = {v.name for v in model_of(tmp_path, text).variables["parameter"] if v.tunable}
+    assert tunable == {"gain", "level", "limit", "internalStep"}
+
+
 def test_start_values_replace_bindings(tmp_path):
     text = "model M parameter Real a=1; parameter Real b=2*a; Real x(start=b, fixed=true); equation der(x) = b; end M;"
     assert evaluate(model_of(tmp_path, text, a=4.0))["der(x)"] == 8
