@@ -29,7 +29,9 @@ RULES = {
         r"der() of an expression: give the expression a variable"
     ),
     OWNER + r"`clocked [^`]*`: .*": r"synchronous elements (Clock, previous, hold) cannot be exported: use sample()",
-    r"PanicException: .*continuous state\"?": r"der() of an input: give its derivative as an input too",
+    r"PanicException: .*continuous state\"?": (
+        r"der() of an input, or of another variable that is no state: give its derivative as an input too"
+    ),
     r"unbalanced model: (\d+) equations, (\d+) unknowns .*\]": (
         r"unbalanced: the number of equations is \1, of unknown variables \2; add or remove equations until they agree"
     ),

@@ -13,9 +13,9 @@ CRASHES = """
   model B extends A; redeclare model extends F Real z=2; end F; end B;
 """
 FAILS = {
-    "a panic": ("input Real u; Real y=der(u);", r"PanicException: .*der\(\.\.\.\) must name"),
+    "a panic": ("input Real u; Real y=der(u);", r"der\(\) of an input, or of another variable that is no state"),
     "a syntax error": ("Real x = ;", r"syntax error: unexpected `;` \(M\.mo:2\)"),
-    "a name that is not there": ("Real x = y; Foo z;", "unresolved component reference: 'y'; .*'Foo'"),
+    "a name that is not there": ("Real x = y; Foo z;", r"y is not declared \(M\.mo:2\): .*; the class Foo is not"),
 }
 
 
