@@ -16,7 +16,7 @@ test: $(READY)
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 figures: build
-	$(BIN)/python -m tests.figures
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.figures
 
 lint: $(READY)
 	$(BIN)/ruff check pipeline tests
