@@ -134,11 +134,11 @@ def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndar
     held = {
         name: "the inverse model is not linear in it; held at its a-priori value"
         for i, name in enumerate(model.names)
-        if _nonlinearity(model, point, np.eye(len(model.names))[i] * rng.uniform(0.3, 0.9)) > TOLERANCE
+        if not _nonlinearity(model, point, np.eye(len(model.names))[i] * rng.uniform(0.3, 0.9)) <= TOLERANCE
     }
     model = InverseModel(plant, held)
     defect = _nonlinearity(model, point, rng.uniform(0.1, 0.9, len(model.names)))
-    if defect > TOLERANCE:
+    if not defect <= TOLERANCE:  # NaN is no pass
         raise IdentificationError(
             f"{plant.file.path.name}: the inverse model is not linear in its parameters together (defect {defect:.1e} "
             f"of max|tau|, allowed {TOLERANCE:.0e}): WLS does not apply; use the filter, or a plant in base parameters"
