@@ -43,7 +43,9 @@ class JacobianChoice:
     @property
     def doubt(self) -> str:
         """Why a sigma that rests on this Jacobian must not be trusted, or ""."""
-        if self.difference is None or self.difference <= AGREED:
+        if self.difference is None:
+            return f"the Jacobian by {self.used} could be compared with no other"
+        if self.difference <= AGREED:
             return ""
         return f"the Jacobian by {self.used} differences is {self.difference:.1e} from that by {self.against} ones"
 

@@ -2,11 +2,11 @@
 
 from unittest.mock import patch
 
-import numpy as np
 import pytest
 
 from pipeline.errors import FmuError
 from pipeline.plant.fmu import Fmu
+from pipeline.plant.model_exchange import ModelExchangePlant
 from pipeline.plant.tangents import Tangents
 from pipeline.workflow.acquire import simulate
 from pipeline.workflow.batch import open_inverse_model, run_variant
@@ -74,4 +74,11 @@ def test_directional_derivatives_that_fail_are_left_alone(best):
 
 def test_ways_that_disagree_cast_doubt_on_sigma():
     assert "is 2.0e-02 from" in JacobianChoice("forward", "central", 0.02).doubt
-    assert np.all([JacobianChoice("forward", "central", d).doubt == "" for d in (1e-6, None)])
+    assert JacobianChoice("forward", "central", 1e-6).doubt == ""
+    assert "compared with no other" in JacobianChoice("forward", "central", None, "the FMU refused").doubt
+
+
+def test_points_that_the_plant_refuses_leave_no_trust(best):
+    with patch.object(ModelExchangePlant, "transition", side_effect=FmuError("scara.fmu: no mass")):
+        choice = choose_jacobian(open_session("scara", ["ekf.jacobian='forward'"]), best, *RK4)
+    assert choice.difference is None and "no mass" in choice.reason and choice.doubt
