@@ -57,8 +57,9 @@ def jacobians(run: Run) -> Html | None:
             ways.setdefault(way, []).append(name)
     if not ways:
         return None
-    labels = ("Filters", "Transition", "Jacobian", "compared with", "largest difference", "Remark")
-    head = [tag("th", h, scope="col") for h in labels]
+    labels = ("Filters", "Transition", "Jacobian", "compared with")
+    head = [tag("th", h, scope="col", class_="text") for h in labels]
+    head += [tag("th", "largest difference", scope="col"), tag("th", "Remark", scope="col", class_="text")]
     caption = (
         "The difference is relative, by columns, at ten points of the motion, seen before the filter ran; columns of"
         " states are compared as rates. Good: 1e-4 or less. Directional derivatives are the FMU's own, by states and"
@@ -69,10 +70,10 @@ def jacobians(run: Run) -> Html | None:
 
 def _jacobian_row(names: list[str], way: tuple) -> Html:
     transition, used, against, difference, reason = way
-    cells = [tag("th", ", ".join(names), scope="row")]
+    cells = [tag("th", ", ".join(names), scope="row", class_="names")]
     cells += [tag("td", word or DASH, class_="text") for word in (transition, used, against)]
     cells.append(_cell(DASH if difference is None else number(difference, 2)))
-    return tag("tr", cells, tag("td", reason or DASH, class_="text"))
+    return tag("tr", cells, tag("td", reason or DASH, class_="reason flat"))
 
 
 def residual_tests(run: Run) -> Html | None:
