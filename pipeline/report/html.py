@@ -52,4 +52,6 @@ def _attribute(key: str, value: object) -> str:
 
 def _printable(text: str) -> str:
     """Without characters that HTML does not allow (controls, surrogates, noncharacters)."""
+    if text.isprintable():
+        return text
     return "".join(c if c in "\n\t" or c.isprintable() or c.isspace() and c >= "\xa0" else "\ufffd" for c in text)

@@ -7,9 +7,8 @@ import hashlib
 from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
-
-from bokeh.resources import Resources
 
 from pipeline.report import checks, convergence, diagnostics, loop, motion, parameters, provenance, summary
 from pipeline.report.html import Html, join, script_data, tag
@@ -204,7 +203,7 @@ def _asset(name: str) -> str:
 
 @cache
 def _bokeh() -> str:
-    """BokehJS and its plotting interface out of the installed wheel."""
-    resources = Resources(mode="inline", components=["bokeh", "bokeh-api"])
-    parts = [part for part in resources.js_raw if not part.startswith("Bokeh.set_log_level")]  # it would log itself
-    return "\n".join(parts).replace("</script", "<\\/script").replace("\r", "")
+    """BokehJS and its plotting interface out of the installed wheel: nothing of bokeh's Python is needed."""
+    folder = Path(find_spec("bokeh").origin).parent / "server" / "static" / "js"
+    parts = [(folder / f"{name}.min.js").read_text(encoding="utf-8") for name in ("bokeh", "bokeh-api")]
+    return "\n".join(parts).replace("</script", "<\\/script")

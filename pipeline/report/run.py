@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,7 @@ class Run:
     def joints(self) -> int:
         return int(self.record["experiment"].get("joints") or 1)
 
-    @property
+    @cached_property
     def parameters(self) -> dict[str, dict]:
         """Every parameter that any estimate holds, in order, with the first description found."""
         found: dict[str, dict] = {}
@@ -49,7 +50,7 @@ class Run:
         """The paper's figure numbers: {"torque": 4, "EKF(2)": {"states": [5, …], "parameters": [13, …]}} or {}."""
         return self.reference.get("figures") or {}
 
-    @property
+    @cached_property
     def recommended(self) -> str | None:
         """The batch estimate that carries the essential parameters, or else the last one that worked."""
         batch = [n for n, e in self.estimates.items() if e.get("method") == "WLS" and ok(e)]
@@ -91,9 +92,13 @@ class Run:
 
     def by_method(self, method: str) -> list[str]:
         """Names of the estimates of a method that have signals."""
-        return [n for n, e in self.estimates.items() if e.get("method") == method and self.table(n) is not None]
+        return [n for n in self._drawn if self.estimates[n].get("method") == method]
 
-    @property
+    @cached_property
+    def _drawn(self) -> list[str]:
+        return [n for n in self.estimates if self.table(n) is not None]
+
+    @cached_property
     def filters(self) -> list[str]:
         """The filters with signals whose course is shown one by one: the paper's, or all where none is the paper's."""
         every = self.by_method("EKF")
@@ -101,7 +106,7 @@ class Run:
         plain = [n for n in every if self.estimates[n].get("tuning") in PAPER_TUNINGS and not self.is_euler(n)]
         return named or plain or every
 
-    @property
+    @cached_property
     def other_filters(self) -> list[str]:
         return [n for n in self.by_method("EKF") if n not in self.filters and not self.is_euler(n)]
 
