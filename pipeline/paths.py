@@ -5,6 +5,7 @@ variable FMUID_CACHE names another place for either.
 """
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from pipeline import __version__
@@ -32,6 +33,20 @@ def _cache() -> Path:
 
 
 FMUS = _cache()
+
+
+def kernel_cache(fingerprint: str) -> Path | None:
+    """The folder of the compiled kernels, made; None where no place can be written."""
+    from platformdirs import user_cache_path
+
+    inside = [ROOT / "build"] if IN_CHECKOUT and not os.environ.get("FMUID_CACHE") else [FMUS]
+    for place in (*inside, user_cache_path("fmuid", appauthor=False) / __version__):
+        folder = place / "kernels" / fingerprint
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            if os.access(folder, os.W_OK):
+                return folder
+    return None
 
 
 def built_fmu(name: str, fmi: str = "2") -> Path:

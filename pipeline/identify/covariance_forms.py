@@ -1,4 +1,4 @@
-"""Two forms of the Kalman filter's covariance with one face: filterpy's Joseph form and Bierman–Thornton's UDUᵀ."""
+"""Forms of the Kalman filter's covariance with one face: Bierman–Thornton's UDUᵀ, Joseph's, and filterpy's."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import numpy as np
 
 from pipeline.errors import IdentificationError
 from pipeline.identify import udu
+from pipeline.in_order import product
+
+P_LOST = 'the covariance P lost positive definiteness; use ekf.covariance = "udu"'
 
 
 class UduForm:
@@ -19,7 +22,7 @@ class UduForm:
         self.U, self.d = udu.factor(P0)
 
     def predict(self, x: np.ndarray, F: np.ndarray, G: np.ndarray, q: np.ndarray) -> None:
-        """Take the predicted x (nx,) and propagate the covariance by F (nx, nx) and G diag(q) Gᵀ."""
+        """Take the predicted x (nx,); propagate P by F (ns, nx), the upper rows of [A B; 0 I], and G (ns, nq), q."""
         self.x = x
         self.U, self.d = udu.predict(self.U, self.d, F, G, q)
 
@@ -42,11 +45,49 @@ class UduForm:
     @property
     def P_diag(self) -> np.ndarray:
         """Its diagonal (nx,)."""
-        return (self.U * self.U) @ self.d
+        return udu.variances(self.U, self.d)
 
 
 class JosephForm:
-    """The same face on filterpy's `ExtendedKalmanFilter`, which updates P in the Joseph form."""
+    """The same face, with P itself, updated in the Joseph form (I − K h) P (I − K h)ᵀ + K r Kᵀ."""
+
+    def __init__(self, x0: np.ndarray, P0: np.ndarray, H: np.ndarray, R: np.ndarray):
+        self.x, self.P, self.H, self.R = x0.copy(), P0.copy(), H, R
+
+    def predict(self, x: np.ndarray, F: np.ndarray, G: np.ndarray, q: np.ndarray) -> None:
+        """Take the predicted x (nx,); propagate P by F (ns, nx), the upper rows of [A B; 0 I], and G (ns, nq), q."""
+        ns = len(F)
+        self.x, T = x, product(F, self.P)
+        self.P = self.P.copy()
+        self.P[:ns, ns:], self.P[ns:, :ns] = T[:, ns:], T[:, ns:].T
+        self.P[:ns, :ns] = _mirrored(product(np.hstack([T, G * q]), np.hstack([F, G]).T))
+
+    def update(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Take the measurement y (n,); returns the innovation (n,) and its covariance S (n, n)."""
+        innovation, S = y - self.H @ self.x, self.H @ self.P @ self.H.T + np.diag(self.R)
+        for h, r, yi in zip(self.H, self.R, y, strict=True):
+            Ph = self.P @ h
+            K = Ph / (h @ Ph + r)
+            self.x = self.x + K * (yi - h @ self.x)
+            M = self.P - np.outer(K, Ph)
+            self.P = _mirrored(M + np.outer(K * r - M @ h, K))
+        if not np.all(np.diag(self.P) > 0):
+            raise IdentificationError(P_LOST)
+        return innovation, S
+
+    @property
+    def P_diag(self) -> np.ndarray:
+        """Its diagonal (nx,)."""
+        return np.diag(self.P)
+
+
+def _mirrored(P: np.ndarray) -> np.ndarray:
+    """P symmetric, as its lower triangle has it."""
+    return np.tril(P) + np.tril(P, -1).T
+
+
+class FilterpyForm:
+    """The same face on filterpy's `ExtendedKalmanFilter`, which updates P in the Joseph form: a third opinion."""
 
     def __init__(self, x0: np.ndarray, P0: np.ndarray, H: np.ndarray, R: np.ndarray):
         from filterpy.kalman import ExtendedKalmanFilter  # slow to import, and needed by this form only
@@ -57,15 +98,17 @@ class JosephForm:
         self._H = H
 
     def predict(self, x: np.ndarray, F: np.ndarray, G: np.ndarray, q: np.ndarray) -> None:
-        """Take the predicted x (nx,) and propagate the covariance by F (nx, nx) and G diag(q) Gᵀ."""
-        self._filter.x, self._filter.F, self._filter.Q = x, F, (G * q) @ G.T
+        """Take the predicted x (nx,); propagate P by F (ns, nx), the upper rows of [A B; 0 I], and G (ns, nq), q."""
+        whole, Q = np.eye(len(x)), np.zeros((len(x), len(x)))
+        whole[: len(F)], Q[: len(F), : len(F)] = F, (G * q) @ G.T
+        self._filter.x, self._filter.F, self._filter.Q = x, whole, Q
         self._filter.predict()
 
     def update(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Take the measurement y (n,); returns the innovation (n,) and its covariance S (n, n)."""
         self._filter.update(y, lambda x: self._H, lambda x: self._H @ x)
         if not np.all(np.diag(self._filter.P) > 0):
-            raise IdentificationError('the covariance P lost positive definiteness; use ekf.covariance = "udu"')
+            raise IdentificationError(P_LOST)
         return self._filter.y, self._filter.S
 
     @property
@@ -84,4 +127,4 @@ class JosephForm:
         return np.diag(self._filter.P)
 
 
-FORMS = {"udu": UduForm, "joseph": JosephForm}
+FORMS = {"udu": UduForm, "joseph": JosephForm, "filterpy": FilterpyForm}

@@ -15,6 +15,9 @@ from pipeline.identify.covariance_forms import FORMS
 from pipeline.identify.jacobian import linearise
 from pipeline.records import FilterRun
 
+MASS_LOST = "the mass matrix lost positive definiteness: the parameters left what is physical"
+NOT_A_NUMBER = "the estimate or its covariance is not finite"
+
 
 @dataclass(frozen=True)
 class Tuning:
@@ -42,9 +45,14 @@ def run_filter(
 ) -> FilterRun:
     """Filter the measured positions q (N, n) with the inputs u (N, n) held from time[k] to time[k+1] (N,) s.
 
-    z0 (nx,) and P0 (nx, nx) are the prior of z = [qd, q, h, chi]. Where the plant or the covariance fails, the run
+    z0 (nx,) and P0 (nx, nx) are the prior of z = [qd, q, h, chi]. covariance: "udu", "joseph", or (in Python only)
+    "filterpy". A compiled plant is filtered by the compiled filter. Where the plant or the covariance fails, the run
     ends before that sample and says so in `failed_at` and `reason`; nothing is raised.
     """
+    if plant.compiled:
+        from pipeline.identify.ekf_compiled import run_compiled  # numba is slow to import
+
+        return run_compiled(plant, time, q, u, z0, P0, tuning, jacobian, covariance)
     n, ns = plant.n, plant.ns
     H = np.zeros((n, len(z0)))
     H[:, n : 2 * n] = np.eye(n)
@@ -61,7 +69,7 @@ def run_filter(
             x[k], P_diag[k], S_diag[k] = form.x, form.P_diag, np.diag(S)
             NIS[k] = innovation[k] @ np.linalg.solve(S, innovation[k])
             if not np.isfinite(NIS[k] + x[k].sum() + P_diag[k].sum()):
-                raise IdentificationError("the estimate or its covariance is not finite")
+                raise IdentificationError(NOT_A_NUMBER)
             done, P = k + 1, form.P if k == samples - 1 else P
     except (FmuError, IdentificationError, np.linalg.LinAlgError) as error:
         failed_at, reason = done, str(error)
@@ -75,12 +83,8 @@ def _predict(form, plant, ns: int, u: np.ndarray, t: float, dt: float, tuning: T
     model = linearise(plant, s, chi, u, t, dt, jacobian)
     G_tau = model.C / plant.binding.gain
     _watch_mass_matrix(G_tau[: plant.n])
-    nx = len(form.x)
-    F = np.eye(nx)
-    F[:ns, :ns], F[:ns, ns:] = model.A, model.B
-    G = np.zeros((nx, len(tuning.q)))
-    G[:ns] = G_tau if tuning.input_noise else np.eye(ns)
-    form.predict(np.concatenate([model.f, chi]), F, G, tuning.q)
+    G = G_tau if tuning.input_noise else np.eye(ns)
+    form.predict(np.concatenate([model.f, chi]), np.hstack([model.A, model.B]), G, tuning.q)
 
 
 def _watch_mass_matrix(response: np.ndarray) -> None:
@@ -89,4 +93,4 @@ def _watch_mass_matrix(response: np.ndarray) -> None:
     The FMU rejects no parameter that a filter may ask for, so this is watched here.
     """
     if np.linalg.eigvalsh(response + response.T)[0] <= 0:
-        raise IdentificationError("the mass matrix lost positive definiteness: the parameters left what is physical")
+        raise IdentificationError(MASS_LOST)

@@ -10,10 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Relative steps where round-off and truncation balance (measured: errors 5e-7 and 3e-9). A purely relative step would
-# vanish with the value, so a state counts as at least 1, a parameter as at least its scale in the binding.
-EPSILON = {"forward": 1e-7, "central": 1e-5}
-STATE_FLOOR = 1.0
+from pipeline.plant.steps import EPSILON, floor
+
 AGREED = 1e-3
 """Two modes that differ by more, of a column's largest entry, are not derivatives of one thing."""
 
@@ -47,9 +45,13 @@ def linearise(plant, s: np.ndarray, chi: np.ndarray, u: np.ndarray, t: float, dt
     parameters as knowns in Initialization Mode only: FMI 2.0.5, §2.2.8).
     """
     ns, p = len(s), len(chi)
+    if plant.compiled:
+        f, J = plant.linearise(s, u, chi, t, dt, mode)
+        return Linearised(f, J[:, :ns], J[:, ns : ns + p], J[:, ns + p :])
     if mode != "directional":
         f = plant.transition(s, u, chi, t, dt)
-        J = _differences(plant, s, chi, u, t, dt, mode, f, range(ns + p + len(u)))
+        J = np.eye(ns, ns + p + len(u))  # the columns that make no difference stay so
+        J[:, plant.columns] = _differences(plant, s, chi, u, t, dt, mode, f, plant.columns)
         return Linearised(f, J[:, :ns], J[:, ns : ns + p], J[:, ns + p :])
     known = plant.sensitivity(s, u, chi, t, dt)
     B = np.empty((ns, p))
@@ -63,8 +65,7 @@ def _differences(plant, s, chi, u, t: float, dt: float, mode: str, f: np.ndarray
     """The columns (ns, k) of ∂f/∂[s, chi, u] that are asked for."""
     ns, p = len(s), len(chi)
     point = np.concatenate([s, chi, u])
-    floor = np.concatenate([np.full(ns, STATE_FLOOR), plant.binding.scale, plant.binding.u_range])
-    step = EPSILON[mode] * np.maximum(np.abs(point), floor)
+    step = EPSILON[mode] * np.maximum(np.abs(point), floor(plant.binding, ns))
 
     def moved(i: int, by: float) -> tuple[np.ndarray, float]:
         there = point.copy()

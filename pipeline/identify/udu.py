@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.in_order import product, total
+
 
 def factor(P: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """U (nx, nx) and d (nx,) of a symmetric positive semi-definite P (nx, nx). LinAlgError where it is not."""
@@ -25,20 +27,23 @@ def factor(P: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def predict(U: np.ndarray, d: np.ndarray, F: np.ndarray, G: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The factors of F P Fᵀ + G diag(q) Gᵀ by Thornton's modified weighted Gram–Schmidt.
+    """The factors after a step by F (ns, nx), the upper rows of [A B; 0 I], with noise G diag(q) Gᵀ on these states.
 
-    U (nx, nx), d (nx,), F (nx, nx), G (nx, nq), q (nq,) ≥ 0.
+    U (nx, nx), d (nx,), G (ns, nq), q (nq,) ≥ 0. F U = [A Us, A Usp + B Up]: the columns of the parameters are those
+    of the new U as they are; the others, beside G, are made orthogonal by Thornton's modified weighted Gram–Schmidt.
     """
-    W = np.concatenate([F @ U, G], axis=1)
-    weight = np.concatenate([d, q])
-    n = len(d)
-    U_new, d_new = np.eye(n, dtype=U.dtype), np.zeros_like(d)
-    for j in range(n - 1, -1, -1):
+    ns = len(F)
+    T = product(F, U)
+    U_new, d_new = U.copy(), d.copy()
+    U_new[:ns, ns:] = T[:, ns:]
+    W, weight = np.concatenate([T[:, :ns], G], axis=1), np.concatenate([d[:ns], q])
+    for j in range(ns - 1, -1, -1):
         row = W[j]
         weighted = weight * row
-        d_new[j] = row @ weighted
+        d_new[j] = total(row * weighted)
+        U_new[:j, j] = 0.0
         if j and d_new[j] > 0:
-            U_new[:j, j] = (W[:j] @ weighted) / d_new[j]
+            U_new[:j, j] = total(W[:j] * weighted) / d_new[j]
             W[:j] -= np.outer(U_new[:j, j], row)
     return U_new, d_new
 
@@ -47,17 +52,21 @@ def update(U: np.ndarray, d: np.ndarray, h: np.ndarray, r: float) -> tuple[np.nd
     """Bierman's update by one scalar measurement y = h x + v, var(v) = r > 0: the new U, d and the gain K (nx,)."""
     f = U.T @ h
     v = d * f
-    # alpha[j] = r + sum over i ≤ j of f_i v_i: the variance of the innovation as the columns come in
-    alpha = r + np.cumsum(f * v)
-    before = np.concatenate([np.array([r], dtype=U.dtype), alpha[:-1]])
-    d_new = d * before / alpha
+    # alpha[j + 1] = r + sum over i ≤ j of f_i v_i: the variance of the innovation as the columns come in
+    alpha = np.cumsum(np.concatenate([np.array([r], dtype=U.dtype), f * v]))
+    before, after = alpha[:-1], alpha[1:]
     # b[:, j] is the unscaled gain after the columns 0 … j−1: the running sum of v_i U[:, i]
     b = np.cumsum(U * v, axis=1)
     U_new = U.copy()
     U_new[:, 1:] -= b[:, :-1] * (f[1:] / before[1:])
-    return U_new, d_new, b[:, -1] / alpha[-1]
+    return U_new, d * (before / after), b[:, -1] / after[-1]
 
 
 def covariance(U: np.ndarray, d: np.ndarray) -> np.ndarray:
     """P (nx, nx) from its factors."""
     return (U * d) @ U.T
+
+
+def variances(U: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """The diagonal (nx,) of P."""
+    return total(U * U * d)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import byref, c_int, c_void_p
+from ctypes import byref, c_int, c_void_p, cast
 
 from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2EventInfo
 from fmpy.model_description import ModelDescription
@@ -20,6 +20,14 @@ class Fmi2:
     """
 
     prefix, derivatives_call = "fmi2", "fmi2GetDerivatives"
+    functions = {
+        "get": "GetReal", "set": "SetReal", "set_states": "SetContinuousStates", "get_derivatives": "GetDerivatives",
+        "set_time": "SetTime", "enter_event_mode": "EnterEventMode", "update_discrete_states": "NewDiscreteStates",
+        "enter_continuous_time_mode": "EnterContinuousTimeMode", "completed_step": "CompletedIntegratorStep",
+        "setup": "SetupExperiment", "enter_initialization": "EnterInitializationMode",
+        "exit_initialization": "ExitInitializationMode", "do_step": "DoStep", "set_state": "SetFMUstate",
+        "reset": "Reset", "directional": "GetDirectionalDerivative",
+    }  # fmt: skip
 
     def __init__(self, description: ModelDescription, interface: str, folder: str, name: str, log: list[str]):
         offered = description.modelExchange if interface == "ME" else description.coSimulation
@@ -38,6 +46,11 @@ class Fmi2:
             self.set_time = self._dll.fmi2SetTime
             self._event, self._flags = fmi2EventInfo(), (c_int(), c_int())
 
+    def address(self, function: str) -> int:
+        """Where the function called so in `functions` stands in memory; 0 where the library has none."""
+        found = getattr(self._dll, self.prefix + self.functions[function], None)
+        return 0 if found is None else cast(found, c_void_p).value
+
     def values(self, references, n: int, pointer) -> tuple:
         """The arguments of `get` and `set`."""
         return self.instance, references, n, pointer
@@ -53,6 +66,10 @@ class Fmi2:
     def enter_initialization(self, t0: float) -> int:
         """Instantiated → Initialization Mode; t0 is known from `setup`."""
         return self._dll.fmi2EnterInitializationMode(self.instance)
+
+    def reset(self) -> int:
+        """Back to Instantiated."""
+        return self._dll.fmi2Reset(self.instance)
 
     def exit_initialization(self) -> int:
         """Initialization Mode → Event Mode (ME), or ready to step (CS)."""

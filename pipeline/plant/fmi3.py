@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import byref, c_bool, c_double, c_void_p
+from ctypes import byref, c_bool, c_double, c_void_p, cast
 
 from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ModelDescription
@@ -17,6 +17,14 @@ class Fmi3:
     """An instance of an FMI 3.0 FMU, "ME" or "CS" without Event Mode; the calls are explained in `Fmi2`."""
 
     prefix, derivatives_call = "fmi3", "fmi3GetContinuousStateDerivatives"
+    functions = {
+        "get": "GetFloat64", "set": "SetFloat64", "set_states": "SetContinuousStates",
+        "get_derivatives": "GetContinuousStateDerivatives", "set_time": "SetTime",
+        "enter_event_mode": "EnterEventMode", "update_discrete_states": "UpdateDiscreteStates",
+        "enter_continuous_time_mode": "EnterContinuousTimeMode", "completed_step": "CompletedIntegratorStep",
+        "enter_initialization": "EnterInitializationMode", "exit_initialization": "ExitInitializationMode",
+        "do_step": "DoStep", "set_state": "SetFMUState", "reset": "Reset", "directional": "GetDirectionalDerivative",
+    }  # fmt: skip
 
     def __init__(self, description: ModelDescription, interface: str, folder: str, name: str, log: list[str]):
         offered = description.modelExchange if interface == "ME" else description.coSimulation
@@ -36,6 +44,11 @@ class Fmi3:
             self.get_derivatives = self._dll.fmi3GetContinuousStateDerivatives
             self.set_time = self._dll.fmi3SetTime
 
+    def address(self, function: str) -> int:
+        """Where the function called so in `functions` stands in memory; 0 where there is none."""
+        found = getattr(self._dll, self.prefix + self.functions[function], None) if function in self.functions else None
+        return 0 if found is None else cast(found, c_void_p).value
+
     def values(self, references, n: int, pointer) -> tuple:
         """The arguments of `get` and `set`."""
         return self.instance, references, n, pointer, n
@@ -51,6 +64,10 @@ class Fmi3:
     def enter_initialization(self, t0: float) -> int:
         """Instantiated → Initialization Mode, the run starting at t0 (s)."""
         return self._dll.fmi3EnterInitializationMode(self.instance, False, 0.0, t0, False, 0.0)
+
+    def reset(self) -> int:
+        """Back to Instantiated."""
+        return self._dll.fmi3Reset(self.instance)
 
     def exit_initialization(self) -> int:
         """Initialization Mode → Event Mode (ME), or Step Mode (CS)."""

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.errors import FmuError
+from pipeline.in_order import product
 from pipeline.plant.binding import Binding, check_binding
 from pipeline.plant.fmu import Fmu, Instance
 from pipeline.plant.references import References, double_p, tuned_and_fed
-from pipeline.plant.states import refuse_events, state_order, states_of
+from pipeline.plant.states import influential, refuse_events, state_order, states_of
 from pipeline.plant.tangents import Sensitivity, Tangents
 
 
@@ -20,14 +21,15 @@ class ModelExchangePlant:
     inputs of the FMU are set beside the plant's input. `calls` counts evaluations of derivatives, directional ones too.
     """
 
-    interface = "ME"
+    interface, compiled = "ME", False
 
     def __init__(self, file: Fmu, binding: Binding, settings: dict[str, float], method: str = "rk4", substeps: int = 4):
         check_binding(binding, file)
         self.binding, self.file, self.calls, self.n = binding, file, 0, binding.n
         self.method, self.substeps = method, substeps
         refuse_events(file)
-        self._order, self._nx = state_order(file, binding)
+        self.order, self.nx = state_order(file, binding)
+        self.columns = influential(file, binding)
         self.instance = Instance(file, "ME", {**binding.start_values(), **settings})
         self._buffers()
         self._divide_parameters()
@@ -61,13 +63,13 @@ class ModelExchangePlant:
         states = np.concatenate([qd, q], axis=1)
         self._prepare(states[0], u, chi, 0.0)
         X, dX, rows = self._batch(len(states))
-        X[:, self._order] = states
-        set_states, get_derivatives, fmu, nx = self._set_states, self._get_derivatives, self._fmu, self._nx
+        X[:, self.order] = states
+        set_states, get_derivatives, fmu, nx = self._set_states, self._get_derivatives, self._fmu, self.nx
         status = max(max(set_states(fmu, x, nx), get_derivatives(fmu, dx, nx)) for x, dx in rows)
         self.calls += len(states)
         if status:
             self.instance.check(status, self._derivatives_call, 0.0)
-        found = dX[:, self._order[: self.n]]
+        found = dX[:, self.order[: self.n]]
         if not np.isfinite(found).all():
             raise FmuError(f"{self.file.path.name}: the derivatives at t = 0 s are not finite")
         return found
@@ -75,7 +77,7 @@ class ModelExchangePlant:
     def _batch(self, N: int) -> tuple[np.ndarray, np.ndarray, list]:
         """Buffers (N, nx) of states and derivatives and the pointers to their rows; they only ever grow."""
         if self._rows is None or len(self._rows[0]) < N:
-            X, dX = np.zeros((2, N, self._nx))
+            X, dX = np.zeros((2, N, self.nx))
             pointers = [(x.ctypes.data_as(double_p), dx.ctypes.data_as(double_p)) for x, dx in zip(X, dX, strict=True)]
             self._rows = X, dX, pointers
         X, dX, pointers = self._rows
@@ -98,16 +100,19 @@ class ModelExchangePlant:
         """Whether the FMU gives directional derivatives."""
         return self.file.directional("ME")
 
+    def tangents(self) -> tuple[list[str], list[str]]:
+        """Unknowns and knowns of the directional derivatives: derivatives by states and inputs, in the seam's order."""
+        states = [v.name for v in states_of(self.file)]
+        derivatives = [d.variable.name for d in self.file.description.derivatives]
+        return [derivatives[i] for i in self.order], [states[i] for i in self.order] + self.inputs.names
+
     def sensitivity(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float) -> Sensitivity:
         """The transition and its derivatives by s, u and the parameters that are inputs of the FMU, exactly.
 
         The same steps as `transition`, differentiated: each stage takes the FMU's directional derivatives along.
         """
         if self._tangents is None:
-            states = [v.name for v in states_of(self.file)]
-            knowns = [states[i] for i in self._order] + self._inputs.names
-            derivatives = [d.variable.name for d in self.file.description.derivatives]
-            self._tangents = Tangents(self.instance, [derivatives[i] for i in self._order], knowns)
+            self._tangents = Tangents(self.instance, *self.tangents())
         self._prepare(s, u, chi, t)
         S = np.eye(self.ns, len(self._tangents.knowns))
         if self.method == "euler":
@@ -115,7 +120,7 @@ class ModelExchangePlant:
             s, S = s + dt * k, S + dt * K
         else:
             s, S = self._rk4_with_tangents(s, S, t, dt / self.substeps)
-        return Sensitivity(s, S[:, : self.ns], S[:, self.ns : self.ns + self.n], S[:, self.ns + self.n :], self._fed)
+        return Sensitivity(s, S[:, : self.ns], S[:, self.ns : self.ns + self.n], S[:, self.ns + self.n :], self.fed)
 
     def _rk4_with_tangents(self, s: np.ndarray, S: np.ndarray, t: float, step: float) -> tuple[np.ndarray, np.ndarray]:
         half, sixth = 0.5 * step, step / 6.0
@@ -133,41 +138,41 @@ class ModelExchangePlant:
         k = self._evaluate(s, t)
         J = self._tangents(t)
         self.calls += len(self._tangents.knowns)
-        K = J[:, : self.ns] @ S
+        K = product(J[:, : self.ns], S)
         K[:, self.ns :] += J[:, self.ns :]
         return k, K
 
     def _evaluate(self, s: np.ndarray, t: float) -> np.ndarray:
         """Derivatives in the seam's order."""
-        self._x[self._order] = s
-        status = self._set_states(self._fmu, self._x_pointer, self._nx)
-        status = max(status, self._get_derivatives(self._fmu, self._dx_pointer, self._nx))
+        self._x[self.order] = s
+        status = self._set_states(self._fmu, self._x_pointer, self.nx)
+        status = max(status, self._get_derivatives(self._fmu, self._dx_pointer, self.nx))
         self.calls += 1
         if status:
             self.instance.check(status, self._derivatives_call, t)
-        derivative = self._dx[self._order]
+        derivative = self._dx[self.order]
         if not np.isfinite(derivative.sum()):
             raise FmuError(f"{self.file.path.name}: the derivatives at t = {t:g} s are not finite")
         return derivative
 
     def _prepare(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float) -> None:
         """Set time, parameters (in Event Mode, only when they changed) and inputs; a new time completes a step."""
-        status = 0 if t == self._t else self._complete_step(s, t)
+        status = 0 if t == self.t else self._complete_step(s, t)
         if not np.array_equal(chi, self._chi):
-            if self._tuned.size:
+            if self.tuned.size:
                 status = max(status, self._tune(chi, t))
             self._chi[:] = chi
-        status = max(status, self._inputs.set(np.concatenate([u, chi[self._fed]]) if self._fed.size else u))
+        status = max(status, self.inputs.set(np.concatenate([u, chi[self.fed]]) if self.fed.size else u))
         if status:
             self._chi[:] = np.nan
             self.instance.check(status, "setting inputs and parameters", t)
 
     def _complete_step(self, s: np.ndarray, t: float) -> int:
         """Move the time to t, the state s (ns,) being what it is there (FMI 2.0.5, §3.2.1)."""
-        self._x[self._order] = s
+        self._x[self.order] = s
         status = self._set_time(self._fmu, t)
-        status = max(status, self._set_states(self._fmu, self._x_pointer, self._nx))
-        self._t = t
+        status = max(status, self._set_states(self._fmu, self._x_pointer, self.nx))
+        self.t = t
         if not self.file.description.modelExchange.needsCompletedIntegratorStep:
             return status
         completed, enter_event_mode, terminate = self.instance.calls.completed_step()
@@ -181,7 +186,7 @@ class ModelExchangePlant:
         calls = self.instance.calls
         self._chi[:] = np.nan  # until all is done, nobody knows
         status = calls.enter_event_mode()
-        status = max(status, self._parameters.set(chi[self._tuned]))
+        status = max(status, self.parameters.set(chi[self.tuned]))
         updated, needed, terminate = calls.update_discrete_states()
         if terminate:
             raise FmuError(f"{self.file.path.name}: asks to terminate in Event Mode{self.instance.last_message()}")
@@ -192,17 +197,17 @@ class ModelExchangePlant:
     def _divide_parameters(self) -> None:
         """Parameters that the FMU has as inputs are fed beside the plant's input; the others are tuned."""
         names = [p.variable or p.name for p in self.binding.parameter]
-        self._tuned, self._fed = tuned_and_fed(self.instance, names)
-        self._parameters = References(self.instance, [names[i] for i in self._tuned])
+        self.tuned, self.fed = tuned_and_fed(self.instance, names)
+        self.parameters = References(self.instance, [names[i] for i in self.tuned])
         inputs = [j.input for j in self.binding.joint]
-        self._inputs = References(self.instance, [*inputs, *(names[i] for i in self._fed)])
+        self.inputs = References(self.instance, [*inputs, *(names[i] for i in self.fed)])
 
     def _buffers(self) -> None:
         """The arrays and raw calls of the hot loop, resolved once."""
-        self._x, self._dx = np.zeros(self._nx), np.zeros(self._nx)
+        self._x, self._dx = np.zeros(self.nx), np.zeros(self.nx)
         self._x_pointer, self._dx_pointer = (a.ctypes.data_as(double_p) for a in (self._x, self._dx))
         calls = self.instance.calls
         self._fmu, self._set_time = calls.instance, calls.set_time
         self._set_states, self._get_derivatives = calls.set_states, calls.get_derivatives
         self._derivatives_call = calls.derivatives_call.removeprefix(calls.prefix)
-        self._tangents, self._rows, self._t = None, None, 0.0
+        self._tangents, self._rows, self.t = None, None, 0.0

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from pipeline.plant.binding import Binding
-from pipeline.plant.fmu import open_fmu
+from pipeline.plant.fmu import Fmu, open_fmu
 from pipeline.plant.model_exchange import ModelExchangePlant
 from pipeline.plant.restored_state import CoSimulationPlant
 
@@ -22,9 +22,23 @@ def open_plant(
     interface: str = "ME",
     method: str = "rk4",
     substeps: int = 4,
-) -> Iterator[ModelExchangePlant | CoSimulationPlant]:
-    """Open the bound plant with the binding's values for `use`, "filter", "probe" or "linearise"; freed on leaving."""
-    kind = {"ME": ModelExchangePlant, "CS": CoSimulationPlant}[interface]
+    engine: str = "python",
+) -> Iterator:
+    """Open the bound plant with the binding's values for `use`, "filter", "probe" or "linearise"; freed on leaving.
+
+    interface: "ME", "CS" (each step from a restored FMU state) or "CS reset"; engine: "compiled", or any other for
+    Python.
+    """
     settings = {"filter": binding.filter, "probe": binding.probe, "linearise": binding.linearise}[use]
-    with open_fmu(binding.path) as file, kind(file, binding, settings, method, substeps) as plant:
+    with open_fmu(binding.path) as file, _opened(file, binding, settings, interface, method, substeps) as plant:
+        if engine == "compiled":
+            from pipeline.plant.compiled import CompiledPlant  # numba is slow to import
+
+            plant = CompiledPlant(plant)
         yield plant
+
+
+def _opened(file: Fmu, binding: Binding, settings: dict, interface: str, method: str, substeps: int):
+    if interface == "ME":
+        return ModelExchangePlant(file, binding, settings, method, substeps)
+    return CoSimulationPlant(file, binding, settings, "reset" if interface == "CS reset" else "state")

@@ -8,30 +8,34 @@ from pipeline.errors import ConfigError, FmuError
 from pipeline.plant.binding import Binding, check_binding
 from pipeline.plant.fmu import Fmu, Instance
 from pipeline.plant.references import References, tuned_and_fed
-from pipeline.plant.states import refuse_events, state_order
+from pipeline.plant.states import influential, refuse_events, state_order
 
 
 class CoSimulationPlant:
-    """A plant by Co-Simulation: each transition restores the FMU state taken before initialisation.
+    """A plant by Co-Simulation: each transition begins with the FMU as it was before its initialisation.
 
-    The standard's legal route for an imposed state (FMI 2.0.5, §2.1.8, §4.2.4): restore, start time t, set states
-    and parameters, initialise, one step. There are no derivatives to read. `calls` counts steps.
+    The standard's legal route for an imposed state (FMI 2.0.5, §2.1.8, §4.2.4): go back, start time t, set states
+    and parameters, initialise, one step. Back by the FMU state that was taken, or (restores = "reset") by a reset,
+    after which the start values are set again. There are no derivatives to read. `calls` counts steps.
     """
 
-    interface = "CS"
+    interface, compiled = "CS", False
 
-    def __init__(self, file: Fmu, binding: Binding, settings: dict[str, float], method: str = "rk4", substeps: int = 4):
+    def __init__(self, file: Fmu, binding: Binding, settings: dict[str, float], restores: str = "state"):
         check_binding(binding, file)
         refuse_events(file)
         state_order(file, binding)
-        if file.supports("CS") and not file.description.coSimulation.canGetAndSetFMUstate:
-            raise FmuError(f'{file.path.name}: cannot get and set its FMU state; use ekf.interface = "ME"')
+        self.columns = influential(file, binding)
+        if restores == "state" and file.supports("CS") and not file.description.coSimulation.canGetAndSetFMUstate:
+            raise FmuError(
+                f'{file.path.name}: cannot get and set its FMU state; use ekf.interface = "CS reset", or "ME"'
+            )
         for joint in binding.joint:
             if not (joint.position_start and joint.velocity_start):
                 raise ConfigError(
                     f"joint {joint.name}: Co-Simulation needs position_start and velocity_start in the binding"
                 )
-        self.binding, self.file, self.calls, self.n = binding, file, 0, binding.n
+        self.binding, self.file, self.calls, self.n, self.restores = binding, file, 0, binding.n, restores
         self.instance = Instance(file, "CS")
         try:
             self._set_up({**binding.start_values(), **settings})
@@ -43,21 +47,27 @@ class CoSimulationPlant:
         """Resolve the variables, set the start values, and keep the FMU state of before initialisation."""
         joints, parameters = self.binding.joint, self.binding.parameter
         starts = [*(j.velocity_start for j in joints), *(j.position_start for j in joints)]
-        self._start = References(self.instance, starts)
+        self.start = References(self.instance, starts)
         names = [p.variable or p.name for p in parameters]
-        self._tuned, self._fed = tuned_and_fed(self.instance, names)
-        self._parameters = References(self.instance, [names[i] for i in self._tuned])
-        self._inputs = References(self.instance, [*(j.input for j in joints), *(names[i] for i in self._fed)])
-        self._outputs = References(self.instance, [*(j.velocity for j in joints), *(j.position for j in joints)])
-        self.instance.set({name: value for name, value in start.items() if name not in self._inputs.names})
-        status, self._snapshot = self.instance.calls.get_state()
-        self.instance.check(status, "GetFMUstate", 0.0)
+        self.tuned, self.fed = tuned_and_fed(self.instance, names)
+        self.parameters = References(self.instance, [names[i] for i in self.tuned])
+        self.inputs = References(self.instance, [*(j.input for j in joints), *(names[i] for i in self.fed)])
+        self.outputs = References(self.instance, [*(j.velocity for j in joints), *(j.position for j in joints)])
+        settings = {name: value for name, value in start.items() if name not in self.inputs.names}
+        self.settings = References(self.instance, list(settings))
+        self.values = np.array(list(settings.values()))
+        self.instance.set(settings)
+        self.snapshot = None
+        if self.restores == "state":
+            status, self.snapshot = self.instance.calls.get_state()
+            self.instance.check(status, "GetFMUstate", 0.0)
 
     def __enter__(self) -> CoSimulationPlant:
         return self
 
     def __exit__(self, *exc) -> None:
-        self.instance.calls.free_state(self._snapshot)
+        if self.snapshot is not None:
+            self.instance.calls.free_state(self.snapshot)
         self.instance.__exit__(*exc)
 
     @property
@@ -74,16 +84,26 @@ class CoSimulationPlant:
         """The state (ns,) after dt (s) with u (n,) held. Raises FmuError where the FMU refuses or gives no number."""
         calls, check = self.instance.calls, self.instance.check
         self.calls += 1
-        check(calls.set_state(self._snapshot), "SetFMUstate", t)
-        check(calls.setup(t), "SetupExperiment", t)
-        check(self._start.set(s), "setting the states", t)
-        check(self._parameters.set(chi[self._tuned]), "setting the parameters", t)
+        self._go_back(t)
+        check(self.start.set(s), "setting the states", t)
+        check(self.parameters.set(chi[self.tuned]), "setting the parameters", t)
         check(calls.enter_initialization(t), "EnterInitializationMode", t)
-        check(self._inputs.set(np.concatenate([u, chi[self._fed]])), "setting the inputs", t)
+        check(self.inputs.set(np.concatenate([u, chi[self.fed]])), "setting the inputs", t)
         check(calls.exit_initialization(), "ExitInitializationMode", t)
         check(calls.do_step(t, dt), "DoStep", t)
-        check(self._outputs.get(), "reading the outputs", t)
-        result = self._outputs.buffer.copy()
+        check(self.outputs.get(), "reading the outputs", t)
+        result = self.outputs.buffer.copy()
         if not np.isfinite(result.sum()):
             raise FmuError(f"{self.file.path.name}: the step at t = {t:g} s gave a value that is not finite")
         return result
+
+    def _go_back(self, t: float) -> None:
+        """The instance as before its initialisation, to start at t (s)."""
+        calls, check = self.instance.calls, self.instance.check
+        if self.snapshot is not None:
+            check(calls.set_state(self.snapshot), "SetFMUstate", t)
+            check(calls.setup(t), "SetupExperiment", t)
+            return
+        check(calls.reset(), "Reset", t)
+        check(calls.setup(t), "SetupExperiment", t)
+        check(self.settings.set(self.values), "setting the start values", t)

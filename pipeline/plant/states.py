@@ -43,3 +43,19 @@ def refuse_events(file: Fmu) -> None:
             f"{file.path.name}: {count} event indicators: its equations have branches that a filter cannot follow; "
             "write them smoothly, for example sign(qd) as tanh(qd/eps)"
         )
+
+
+def influential(file: Fmu, binding: Binding) -> np.ndarray:
+    """The places in [s, chi, u] that the transition depends on, by the FMU's own word; all, where it says nothing.
+
+    A state that no derivative depends on only moves by itself: its column is the identity's (FMI 2.0.5, §2.2.8; 3.0.2,
+    §2.4.9). Of parameters the dependencies do not speak.
+    """
+    states = [j.velocity_state or j.velocity for j in binding.joint]
+    states += [j.position_state or j.position for j in binding.joint]
+    names = [*states, *[None] * len(binding.parameter), *(j.input for j in binding.joint)]
+    derivatives = file.description.derivatives
+    if not derivatives or any(unknown.dependencies is None for unknown in derivatives):
+        return np.arange(len(names))
+    used = {variable.name for unknown in derivatives for variable in unknown.dependencies}
+    return np.array([i for i, name in enumerate(names) if name is None or name in used])

@@ -9,7 +9,7 @@ from unittest.mock import patch
 import numpy as np
 
 from pipeline.assess.consistency import consistency
-from pipeline.identify.covariance_forms import FORMS, JosephForm, UduForm
+from pipeline.identify.covariance_forms import FORMS, FilterpyForm, UduForm
 from pipeline.identify.discretisation import LIMIT
 from pipeline.identify.essential import essential
 from pipeline.identify.rls import rls
@@ -238,10 +238,11 @@ class BothForms(UduForm):
 
     def __init__(self, x0, P0, H, R):
         super().__init__(x0, P0, H, R)
-        self.joseph, BothForms.distance = JosephForm(x0, P0, H, R), 0.0
+        self.joseph, BothForms.distance = FilterpyForm(x0, P0, H, R), 0.0
 
     def predict(self, x, F, G, q):
-        self.joseph.predict(x + F @ (self.joseph.x - self.x), F, G, q)
+        apart = self.joseph.x - self.x
+        self.joseph.predict(x + np.concatenate([F @ apart, apart[len(F) :]]), F, G, q)
         super().predict(x, F, G, q)
 
     def update(self, y):

@@ -10,7 +10,7 @@ from pipeline.errors import FmuError
 class LinearPlant:
     """One joint, s⁺ = A s + B u + E chi exactly: the parameter chi (1,) is a constant load."""
 
-    n, ns = 1, 2
+    n, ns, compiled, columns = 1, 2, False, range(4)
     binding = SimpleNamespace(gain=np.ones(1), u_range=np.ones(1), scale=np.ones(1))
 
     def __init__(self, dt=0.01, fails_at=None):

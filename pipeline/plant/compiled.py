@@ -1,0 +1,116 @@
+"""A plant whose transition and its derivatives are computed by kernels, through the functions of its opened FMU."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.plant.memory import Memory, connect, refuse
+from pipeline.plant.model_exchange import ModelExchangePlant
+from pipeline.plant.restored_state import CoSimulationPlant
+from pipeline.plant.steps import EPSILON, floor
+from pipeline.plant.transition_kernel import (
+    DIFFERENCES,
+    DIRECTIONAL_DERIVATIVES,
+    MODEL_EXCHANGE,
+    PLANT,
+    RESET,
+    RESTORED,
+    linearise_once,
+    transition_once,
+)
+
+MODES = {"forward": (DIFFERENCES, 0), "central": (DIFFERENCES, 1), "directional": (DIRECTIONAL_DERIVATIVES, 0)}
+
+
+class CompiledPlant:
+    """The face of the plants of Python, on kernels. The plant it is made from, opened, must not be used beside it."""
+
+    compiled = True
+
+    def __init__(self, plant: ModelExchangePlant | CoSimulationPlant):
+        self._plant, self.memory = plant, Memory(PLANT)
+        self.binding, self.file, self.instance = plant.binding, plant.file, plant.instance
+        self.interface, self.n, self.ns, self.directional = plant.interface, plant.n, plant.ns, plant.directional
+        self.p = len(self.binding.parameter)
+        connect(self.memory, self.instance)
+        self._variables()
+        if self.interface == "ME":
+            self._model_exchange()
+        else:
+            self._co_simulation()
+        self._room()
+
+    @property
+    def calls(self) -> int:
+        """Evaluations of the FMU so far: derivatives and directional ones, or steps."""
+        return self._plant.calls + self.memory.number("evaluations")
+
+    def transition(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float) -> np.ndarray:
+        """The state (ns,) after dt (s) with u (n,) held. Raises FmuError where the FMU refuses or gives no number."""
+        result = np.empty(self.ns)
+        self.check(transition_once(self.memory.record, *map(_doubles, (s, u, chi)), float(t), float(dt), result), t)
+        return result
+
+    def linearise(
+        self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float, mode: str
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The transition f (ns,) and its derivatives J (ns, ns + p + n) by s, chi and u."""
+        f, J = np.empty(self.ns), np.empty((self.ns + self.p + self.n, self.ns))
+        how, central = MODES[mode]
+        epsilon = EPSILON["central" if central else "forward"]
+        arrays = map(_doubles, (s, u, chi))
+        self.check(linearise_once(self.memory.record, *arrays, float(t), float(dt), how, epsilon, central, f, J), t)
+        return f, J.T
+
+    def check(self, failed: bool, t: float) -> None:
+        """Raise FmuError for a kernel that failed at t (s), naming the call and its status."""
+        if failed:
+            self.memory["parameters"][:] = self.memory["inputs"][:] = np.nan  # nobody knows what the FMU has
+            refuse(self.memory, self.instance, t)
+
+    def _variables(self) -> None:
+        """Inputs, and parameters: those that are tuned and those that are fed as inputs."""
+        plant, memory = self._plant, self.memory
+        tuned, fed = plant.tuned, plant.fed
+        memory.set(n=self.n, ns=self.ns, p=self.p, n_tuned=len(tuned), n_fed=len(fed), n_inputs=self.n + len(fed))
+        memory.put(tuned=tuned.astype(np.int64), fed=fed.astype(np.int64))
+        memory.put(tuned_vr=plant.parameters.vr, input_vr=plant.inputs.vr)
+        memory.put(parameters=np.full(len(tuned), np.nan), inputs=np.full(self.n + len(fed), np.nan))
+        memory.put(floor=floor(self.binding, self.ns))
+        memory.set(n_columns=len(plant.columns))
+        memory.put(columns=plant.columns)
+
+    def _model_exchange(self) -> None:
+        plant, memory = self._plant, self.memory
+        substeps = 0 if plant.method == "euler" else plant.substeps
+        completes = plant.file.description.modelExchange.needsCompletedIntegratorStep
+        memory.set(kind=MODEL_EXCHANGE, substeps=substeps, nx=plant.nx, t=plant.t, completes=bool(completes))
+        memory.put(order=plant.order.astype(np.int64))
+        memory.room(x=plant.nx, dx=plant.nx)
+        if self.directional:
+            unknowns, knowns = ([self.file.reference(v) for v in names] for names in plant.tangents())
+            places = [*range(self.ns), *(self.ns + self.p + np.arange(self.n)), *(self.ns + plant.fed)]
+            memory.set(n_knowns=len(knowns))
+            memory.put(unknown_vr=np.array(unknowns, np.uint32), known_vr=np.array(knowns, np.uint32))
+            memory.put(known_column=np.array(places, np.int64), seed=np.ones(1))
+            c = len(knowns)
+            memory.room(tangents=(c, self.ns), **{name: (c, self.ns) for name in ("S", "S_stage", "S_total", "K")})
+
+    def _co_simulation(self) -> None:
+        plant, memory = self._plant, self.memory
+        memory.put(state_vr=plant.start.vr, output_vr=plant.outputs.vr)
+        if plant.restores == "state":
+            memory.set(kind=RESTORED, snapshot=plant.snapshot.value)
+        else:
+            memory.set(kind=RESET, n_settings=plant.settings.n)
+            memory.put(setting_vr=plant.settings.vr, settings=plant.values)
+
+    def _room(self) -> None:
+        ns = self.ns
+        self.memory.room(
+            **{name: ns for name in ("k", "total", "stage", "ahead", "behind")}, point=ns + self.p + self.n
+        )
+
+
+def _doubles(values) -> np.ndarray:
+    return np.ascontiguousarray(values, dtype=float)

@@ -1,0 +1,93 @@
+"""What every compiled kernel is made with: the decorator, calls of C functions by address, arrays by address.
+
+A kernel runs without the interpreter's lock. Machine code is kept on disk, in a folder named by the text of all
+kernels: numba itself looks at the file of the outermost one only, and would go on with an inner one that has changed.
+"""
+
+from __future__ import annotations
+
+from hashlib import sha256
+
+import numba
+from llvmlite import ir
+from numba import carray, njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from pipeline.paths import PACKAGE, kernel_cache
+
+
+def fingerprint() -> str:
+    """What the text of every file of kernels comes to, 16 hex digits."""
+    text = b"".join(file.read_bytes() for file in sorted(PACKAGE.glob("*/*kernel.py")))
+    return sha256(text + numba.__version__.encode()).hexdigest()[:16]
+
+
+_folder = kernel_cache(fingerprint())
+if _folder is not None:
+    numba.config.CACHE_DIR = str(_folder)
+
+kernel = njit(nogil=True, cache=_folder is not None, error_model="numpy")
+"""Decorator: compile for the types it is called with, as NumPy computes (x/0 is inf), no operations reordered."""
+
+
+@intrinsic
+def call(typing, address, *arguments):
+    """The int (32 bits) that the C function at address gives for arguments: integers and addresses int64, or float64.
+
+    C's int, bool and size_t all travel in whole registers, so int64 serves for each.
+    """
+    kinds = arguments[0] if len(arguments) == 1 and isinstance(arguments[0], types.BaseTuple) else arguments
+    signature = types.int32(address, types.Tuple(kinds))
+
+    def generate(context, builder, signature, values):
+        arguments = cgutils.unpack_tuple(builder, values[1])
+        function = ir.FunctionType(ir.IntType(32), [argument.type for argument in arguments])
+        return builder.call(builder.inttoptr(values[0], function.as_pointer()), arguments)
+
+    return signature, generate
+
+
+def _pointer(kind: types.Type, width: ir.Type):
+    @intrinsic
+    def pointer(typing, address):
+        def generate(context, builder, signature, values):
+            return builder.inttoptr(values[0], width.as_pointer())
+
+        return types.CPointer(kind)(address), generate
+
+    return pointer
+
+
+_doubles, _integers, _bytes = (
+    _pointer(kind, width)
+    for kind, width in (
+        (types.float64, ir.DoubleType()),
+        (types.int64, ir.IntType(64)),
+        (types.uint8, ir.IntType(8)),
+    )
+)
+
+
+@kernel
+def array_at(address, n):
+    """The n doubles at address: a view that owns nothing."""
+    return carray(_doubles(address), n)
+
+
+@kernel
+def matrix_at(address, rows, columns):
+    """The (rows, columns) doubles at address."""
+    return carray(_doubles(address), (rows, columns))
+
+
+@kernel
+def integers_at(address, n):
+    """The n int64 at address."""
+    return carray(_integers(address), n)
+
+
+@kernel
+def bytes_at(address, n):
+    """The n bytes at address."""
+    return carray(_bytes(address), n)
