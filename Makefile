@@ -1,6 +1,6 @@
 # make run: set up, build the FMUs, run the experiment `scara`, print the report's path.
-# make test: set up and run the tests. make figures: measure what is promised, over all seeds.
-.PHONY: run build test figures lint clean
+# make test: set up and run the tests. make figures: measure what is promised, over all seeds. make bench: how fast it is.
+.PHONY: run build test figures bench lint clean
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -17,6 +17,9 @@ test: $(READY)
 
 figures: build
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.figures
+
+bench: build
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.benchmarks
 
 lint: $(READY)
 	$(BIN)/ruff check pipeline tests
