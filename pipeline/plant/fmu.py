@@ -10,6 +10,7 @@ import zipfile
 from ctypes import byref, c_double, c_uint
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property, lru_cache
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -25,6 +26,7 @@ STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 VERSIONS = {"2.0": Fmi2, "3.0": Fmi3}
 REAL = ("Real", "Float64")
 INTERFACES = {"ME": "ModelExchange", "CS": "CoSimulation"}
+UNUSED = ("sources/", "documentation/")  # of an archive: nothing that runs needs them
 
 
 @dataclass(frozen=True)
@@ -57,12 +59,15 @@ class Fmu:
 
     def variable(self, name: str) -> ScalarVariable:
         """The variable called `name`; ConfigError with the nearest names where there is none."""
-        table = {v.name: v for v in self.description.modelVariables}
-        if name not in table:
-            near = get_close_matches(name, table, n=3, cutoff=0.4)
+        if name not in self._variables:
+            near = get_close_matches(name, self._variables, n=3, cutoff=0.4)
             hint = f"; nearest: {', '.join(near)}" if near else ""
             raise ConfigError(f"{self.path.name}: no variable `{name}`{hint}; correct the name")
-        return table[name]
+        return self._variables[name]
+
+    @cached_property
+    def _variables(self) -> dict[str, ScalarVariable]:
+        return {v.name: v for v in self.description.modelVariables}
 
     def reference(self, name: str) -> int:
         """The value reference of the variable called `name`."""
@@ -90,7 +95,8 @@ def open_fmu(path: str | os.PathLike) -> Fmu:
     if not path.is_file():
         raise FmuError(f"{path}: no such FMU; build ours with `fmuid build`, or correct its name")
     try:
-        description = fmpy.read_model_description(str(path), validate=False)
+        sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+        description = _described(str(path), sha256)
     except zipfile.BadZipFile as error:
         raise FmuError(f"{path}: not a zip archive ({error}); an FMU is one, so get the file again") from error
     except Exception as error:  # fmpy raises bare Exception for whatever a description may hold
@@ -99,11 +105,17 @@ def open_fmu(path: str | os.PathLike) -> Fmu:
         raise FmuError(f"{path}: FMI {description.fmiVersion} is not handled; export the plant as FMI 2.0 or 3.0")
     folder = Path(tempfile.mkdtemp(prefix=f"fmuid-{path.stem}-"))
     try:
-        fmpy.extract(str(path), str(folder))
+        fmpy.extract(str(path), str(folder), lambda name: not name.startswith(UNUSED))
     except Exception as error:
         shutil.rmtree(folder, ignore_errors=True)
         raise FmuError(f"{path}: cannot be unpacked ({_one_line(error)})") from error
-    return Fmu(path, description, folder, hashlib.sha256(path.read_bytes()).hexdigest())
+    return Fmu(path, description, folder, sha256)
+
+
+@lru_cache(maxsize=16)
+def _described(path: str, sha256: str) -> ModelDescription:
+    """The description in the archive at `path`, read once for as long as its content stays the same."""
+    return fmpy.read_model_description(path, validate=False)
 
 
 class Instance:
