@@ -109,7 +109,7 @@ def _fill(fresh: Path, record: dict, signals: Mapping[str, pd.DataFrame]) -> Non
     hashes = {}
     for stem, table in signals.items():
         path = fresh / f"{stem}.parquet"
-        table.to_parquet(path)
+        table.to_parquet(path, use_dictionary=False)  # signals hardly repeat: larger and slower with one
         sync(path)
         hashes[stem] = _digest(path)
     text = json.dumps({**record, "signals_sha256": hashes}, indent=1, allow_nan=False)
