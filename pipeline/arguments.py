@@ -71,6 +71,9 @@ def _common(command: argparse.ArgumentParser, seed: str) -> None:
     command.add_argument("--fmi", choices=("2", "3"), help="FMI version of our FMUs to run on (default: 2)")
     command.add_argument("--seed", type=int, help=seed)
     command.add_argument(
+        "--engine", choices=("compiled", "python", "filterpy"), help="what computes (default: compiled)"
+    )
+    command.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="override a setting, e.g. ekf.substeps=8"
     )
     command.add_argument(

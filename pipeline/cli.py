@@ -54,6 +54,8 @@ def _session(arguments: argparse.Namespace, narrate=None):
         overrides.append(f"seed={arguments.seed}")
     if given.get("jacobian") is not None:
         overrides.append(f'ekf.jacobian="{arguments.jacobian}"')
+    if arguments.engine is not None:
+        overrides.append(f"engine='{arguments.engine}'")
     if arguments.fmi is not None:
         overrides.append(f"fmi='{arguments.fmi}'")
     simulated, data = given.get("simulated", False), given.get("data")

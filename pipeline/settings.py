@@ -176,6 +176,7 @@ class EkfSettings(Settings):
     """The extended Kalman filter: transition, Jacobian, covariance form and the cases to run.
 
     jacobian: by the FMU's directional derivatives where it has them, else by forward differences; or by differences.
+    interface: "ME" integrates derivatives; "CS" steps from a restored FMU state, "CS reset" from a reset.
     P0_state (2n,): variances of [qd, q] at the start; start_at_rest: begin with qd = 0, else with the filtered
     velocity of the first sample; recommended: the estimate that the verdict judges.
     """
@@ -186,7 +187,7 @@ class EkfSettings(Settings):
     start_at_rest: bool = True
     method: Literal["euler", "rk4"] = "rk4"
     substeps: Substeps = 4
-    interface: Literal["ME", "CS"] = "ME"
+    interface: Literal["ME", "CS", "CS reset"] = "ME"
     jacobian: Literal["directional", "forward", "central"] = "directional"
     covariance: Literal["udu", "joseph"] = "udu"
 
@@ -244,7 +245,8 @@ class Experiment(Settings):
 
     Measured `data` come before `simulation` where an experiment has both; `recommended` names the WLS variant that
     everything else builds on; `reference` holds published results and goes into the record as it is; `fmi` is the
-    version of plant and controller, where they are FMUs of ours.
+    version of plant and controller, where they are FMUs of ours; `engine` computes filters, regressor and closed loop
+    ("filterpy": the filters' covariance, and the rest in Python).
     """
 
     name: str
@@ -254,6 +256,7 @@ class Experiment(Settings):
     recommended: str
     controller: ControllerSettings | None = None
     fmi: Literal["2", "3"] = "2"
+    engine: Literal["compiled", "python", "filterpy"] = "compiled"
     seed: NotNegativeCount = 0
     simulation: SimulationSettings | None = None
     data: DataSettings | None = None

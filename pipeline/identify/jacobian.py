@@ -80,14 +80,25 @@ def _differences(plant, s, chi, u, t: float, dt: float, mode: str, f: np.ndarray
     return np.array(J).reshape(-1, ns).T
 
 
+def everything(plant) -> np.ndarray:
+    """The places of all columns: `plant.columns`, if nothing is believed."""
+    return np.arange(plant.ns + len(plant.binding.scale) + plant.n)
+
+
 def disagreement(plant, points: Iterable[Point], mode: str, other: str) -> float:
     """How far two modes are apart, at worst over points: relative, and by columns; inf where that is no number.
+
+    The other one differences even the columns that make no difference by the FMU's own word.
 
     State columns are compared as rates (A − I)/dt, since the identity in A would hide the plant; rates below 1 count as
     1. The other columns are relative to their largest entry over all points.
     """
     points = list(points)
-    pairs = [[linearise(plant, p.s, p.chi, p.u, p.t, p.dt, m) for m in (mode, other)] for p in points]
+    ones = [linearise(plant, p.s, p.chi, p.u, p.t, p.dt, mode) for p in points]
+    believed, plant.columns = plant.columns, everything(plant)
+    others = [linearise(plant, p.s, p.chi, p.u, p.t, p.dt, other) for p in points]
+    plant.columns = believed
+    pairs = list(zip(ones, others, strict=True))
     rates = [
         _apart(*((m.A - np.eye(len(m.A))) / p.dt for m in pair), 1.0) for p, pair in zip(points, pairs, strict=True)
     ]

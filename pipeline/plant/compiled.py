@@ -45,10 +45,21 @@ class CompiledPlant:
         """Evaluations of the FMU so far: derivatives and directional ones, or steps."""
         return self._plant.calls + self.memory.number("evaluations")
 
+    @property
+    def columns(self) -> np.ndarray:
+        """The places in [s, chi, u] that are differenced; the other columns are the identity's."""
+        return self.memory["columns"]
+
+    @columns.setter
+    def columns(self, places: np.ndarray) -> None:
+        self.memory.set(n_columns=len(places))
+        self.memory.put(columns=np.array(places, np.int64))
+
     def transition(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float) -> np.ndarray:
         """The state (ns,) after dt (s) with u (n,) held. Raises FmuError where the FMU refuses or gives no number."""
-        result = np.empty(self.ns)
-        self.check(transition_once(self.memory.record, *map(_doubles, (s, u, chi)), float(t), float(dt), result), t)
+        result, arguments = np.empty(self.ns), [_doubles(a) for a in (s, u, chi)]
+        addresses = (a.ctypes.data for a in arguments)
+        self.check(transition_once(self.memory.record, *addresses, float(t), float(dt), result.ctypes.data), t)
         return result
 
     def linearise(
@@ -56,10 +67,12 @@ class CompiledPlant:
     ) -> tuple[np.ndarray, np.ndarray]:
         """The transition f (ns,) and its derivatives J (ns, ns + p + n) by s, chi and u."""
         f, J = np.empty(self.ns), np.empty((self.ns + self.p + self.n, self.ns))
+        arguments = [_doubles(a) for a in (s, u, chi)]
+        addresses = (a.ctypes.data for a in arguments)
         how, central = MODES[mode]
-        epsilon = EPSILON["central" if central else "forward"]
-        arrays = map(_doubles, (s, u, chi))
-        self.check(linearise_once(self.memory.record, *arrays, float(t), float(dt), how, epsilon, central, f, J), t)
+        step = EPSILON["central" if central else "forward"]
+        result = f.ctypes.data, J.ctypes.data
+        self.check(linearise_once(self.memory.record, *addresses, float(t), float(dt), how, step, central, *result), t)
         return f, J.T
 
     def check(self, failed: bool, t: float) -> None:
@@ -77,8 +90,7 @@ class CompiledPlant:
         memory.put(tuned_vr=plant.parameters.vr, input_vr=plant.inputs.vr)
         memory.put(parameters=np.full(len(tuned), np.nan), inputs=np.full(self.n + len(fed), np.nan))
         memory.put(floor=floor(self.binding, self.ns))
-        memory.set(n_columns=len(plant.columns))
-        memory.put(columns=plant.columns)
+        self.columns = plant.columns
 
     def _model_exchange(self) -> None:
         plant, memory = self._plant, self.memory

@@ -398,12 +398,11 @@ def _spread(m, J):
 
 @kernel
 def transition_once(plant, s, u, chi, t, dt, result):
-    """`transition` for arrays and a record (1,) of Python's."""
-    return transition(plant[0], s.ctypes.data, u.ctypes.data, chi.ctypes.data, t, dt, result.ctypes.data)
+    """`transition` for a record (1,) of Python's."""
+    return transition(plant[0], s, u, chi, t, dt, result)
 
 
 @kernel
 def linearise_once(plant, s, u, chi, t, dt, mode, epsilon, central, f, J):
-    """`linearise` for arrays and a record (1,) of Python's."""
-    m, x, y, z = plant[0], s.ctypes.data, u.ctypes.data, chi.ctypes.data
-    return linearise(m, x, y, z, t, dt, mode, epsilon, central, f.ctypes.data, J.ctypes.data)
+    """`linearise` for a record (1,) of Python's."""
+    return linearise(plant[0], s, u, chi, t, dt, mode, epsilon, central, f, J)

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from pipeline.errors import FmuError
-from pipeline.identify.jacobian import AGREED, Point, disagreement
+from pipeline.identify.jacobian import AGREED, Point, disagreement, everything
 from pipeline.plant.plant import open_plant
 from pipeline.signals.frames import joint_columns
 from pipeline.workflow.batch import Batch
@@ -21,13 +21,15 @@ POINTS = 10
 class JacobianChoice:
     """How a filter's Jacobian is computed: `used`, and how far it is from `against`, another way (`disagreement`).
 
-    difference: None where it could not be had; reason: why it is not what was asked for, or not known to be right.
+    difference: None where it could not be had; reason: why it is not what was asked for, or not known to be right;
+    all_columns: whether even those are differenced that make no difference by the FMU's own word, which is wrong.
     """
 
     used: str
     against: str
     difference: float | None
     reason: str = ""
+    all_columns: bool = False
 
     @property
     def text(self) -> str:
@@ -50,16 +52,18 @@ class JacobianChoice:
         return f"the Jacobian by {self.used} differences is {self.difference:.1e} from that by {self.against} ones"
 
 
-def choose_jacobian(session: Session, best: Batch, interface: str, method: str, substeps: int) -> JacobianChoice:
-    """The Jacobian for transitions by interface, method and sub-steps, checked at POINTS of the filtered motion.
+def choose_jacobian(
+    session: Session, best: Batch, interface: str, method: str, substeps: int, engine: str = "python"
+) -> JacobianChoice:
+    """The Jacobian for these transitions by this engine, checked at POINTS of the filtered motion.
 
     Directional derivatives give way to forward differences where the FMU has none, or where they are wrong.
     """
     wanted, points = session.experiment.ekf.jacobian, points_of(session, best)
-    opened = partial(open_plant, session.binding, "filter", interface, method, substeps)
+    opened = partial(open_plant, session.binding, "filter", interface, method, substeps, engine)
     with opened() as plant:
         if wanted == "directional" and not plant.directional:
-            what = "by Co-Simulation there are none of a step" if interface == "CS" else "the FMU provides none"
+            what = "the FMU provides none" if interface == "ME" else "by Co-Simulation there are none of a step"
             return _compared(plant, points, "forward", f"directional ones were asked for; {what}")
         choice = _compared(plant, points, wanted)
     if wanted != "directional" or (choice.difference is not None and choice.difference <= AGREED):
@@ -72,9 +76,17 @@ def choose_jacobian(session: Session, best: Batch, interface: str, method: str, 
 def _compared(plant, points: list[Point], mode: str, reason: str = "") -> JacobianChoice:
     against = "forward" if mode == "central" else "central"
     try:
-        return JacobianChoice(mode, against, disagreement(plant, points, mode, against), reason)
+        difference = disagreement(plant, points, mode, against)
+        if mode == "directional" or difference <= AGREED:
+            return JacobianChoice(mode, against, difference, reason)
+        plant.columns = everything(plant)
+        whole = disagreement(plant, points, mode, against)
     except FmuError as error:
         return JacobianChoice(mode, against, None, f"{reason}; {error}" if reason else str(error))
+    if whole > AGREED:
+        return JacobianChoice(mode, against, difference, reason)
+    more = "what the FMU says of the dependencies of its derivatives is wrong: all columns are differenced"
+    return JacobianChoice(mode, against, whole, f"{reason}; {more}" if reason else more, all_columns=True)
 
 
 def points_of(session: Session, best: Batch) -> list[Point]:

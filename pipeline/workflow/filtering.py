@@ -12,6 +12,7 @@ import pandas as pd
 from pipeline.errors import ConfigError, IdentificationError
 from pipeline.identify.discretisation import worst_shift
 from pipeline.identify.ekf import Tuning, run_filter
+from pipeline.identify.jacobian import everything
 from pipeline.identify.tuning import force_noise, position_noise
 from pipeline.plant.binding import Binding
 from pipeline.plant.plant import open_plant
@@ -21,7 +22,8 @@ from pipeline.signals.filters import cutoff_frequency
 from pipeline.signals.frames import joint_columns
 from pipeline.simulate.sensors import position_variance
 from pipeline.workflow.batch import Batch
-from pipeline.workflow.differentiating import JacobianChoice, choose_jacobian
+from pipeline.workflow.differentiating import JacobianChoice, choose_jacobian, points_of
+from pipeline.workflow.engine import EngineChoice, choose_engine
 from pipeline.workflow.session import Session
 
 FINER = 4
@@ -32,8 +34,8 @@ FINER = 4
 class Filtered:
     """One run of the filter: its estimate, its signals, the prior chi0 (p,), its tuning and settings.
 
-    jacobian: how it is computed; calls: evaluations of the FMU; shift: the worst shift in sigma by the transition's own
-    error, where it is known.
+    engine: what computed it; jacobian: how that is computed; calls: evaluations of the FMU; shift: the worst shift in
+    sigma by the transition's own error, where it is known.
     """
 
     estimate: Estimate
@@ -41,6 +43,7 @@ class Filtered:
     chi0: np.ndarray
     tuning: str
     settings: dict
+    engine: EngineChoice
     jacobian: JacobianChoice
     calls: int
     shift: float | None = None
@@ -48,12 +51,22 @@ class Filtered:
 
 def run_filters(session: Session, frame: pd.DataFrame, best: Batch) -> dict[str, Filtered]:
     """Run every case on the measured frame; `best` is the recommended WLS variant."""
-    chosen = cache(partial(choose_jacobian, session, best))
+    chosen = cache(partial(choose, session, best))
     return {
         case.called(tuning): run_case(session, frame, best, case, tuning, chosen(*transition_of(session, case)))
         for case in session.experiment.ekf.case
         for tuning in case.tunings
     }
+
+
+def choose(
+    session: Session, best: Batch, interface: str, method: str, substeps: int
+) -> tuple[EngineChoice, JacobianChoice]:
+    """The engine and the Jacobian for a transition, each checked on the filtered motion before a filter runs."""
+    engine = choose_engine(session, points_of(session, best), interface, method, substeps)
+    if engine.reason:
+        session.narrate(f"  {transition_text(interface, method, substeps)}: {engine.text}")
+    return engine, choose_jacobian(session, best, interface, method, substeps, engine.used)
 
 
 def run_case(
@@ -62,36 +75,40 @@ def run_case(
     best: Batch,
     case: EkfCase,
     tuning: str,
-    jacobian: JacobianChoice | None = None,
+    chosen: tuple[EngineChoice, JacobianChoice] | None = None,
 ) -> Filtered:
-    """Run one case with one tuning ("paper", "known" or "derived"); jacobian: what `choose_jacobian` chose for it."""
+    """Run one case with one tuning ("paper", "known" or "derived"); chosen: what `choose` chose for its transition."""
     ekf, binding = session.experiment.ekf, session.binding
     interface, method, substeps = transition_of(session, case)
-    jacobian = jacobian or choose_jacobian(session, best, interface, method, substeps)
+    engine, jacobian = chosen or choose(session, best, interface, method, substeps)
     noise = noise_levels(session, frame, best.regression.sigma_rho, case, tuning)
     q = frame[joint_columns("q", binding.n)].to_numpy()
     u = frame[joint_columns("u", binding.n)].to_numpy()
     chi0, P0 = prior(session, case, best.estimate)
     z0 = np.concatenate([start_velocity(session, best), q[0], chi0])
     time, start = frame.index.to_numpy(dtype=float), process_time()
-    with open_plant(binding, "filter", interface, method, substeps) as plant:
-        run = run_filter(plant, time, q, u, z0, P0, noise, jacobian.used, ekf.covariance)
+    covariance = "filterpy" if engine.used == "filterpy" else ekf.covariance
+    with open_plant(binding, "filter", interface, method, substeps, engine.used) as plant:
+        if jacobian.all_columns:
+            plant.columns = everything(plant)
+        run = run_filter(plant, time, q, u, z0, P0, noise, jacobian.used, covariance)
         calls = plant.calls
     estimate = _estimate(case.called(tuning), binding, run, time, chi0, process_time() - start)
     shift = None
     if run.failed_at is None and interface == "ME" and np.all(noise.q > 0):
-        shift = transition_shift(binding, run, u, noise, method, substeps)
+        shift = transition_shift(binding, run, u, noise, method, substeps, engine.used)
     settings = {
         "transition": transition_text(interface, method, substeps),
-        "interface": interface,
+        "interface": interface[:2],
+        "engine": engine.text,
         "jacobian": jacobian.text,
-        "covariance": ekf.covariance,
+        "covariance": covariance,
         "P0": np.diag(P0).tolist(),
         "R": noise.R.tolist(),
         "Q": noise.q.tolist(),
         "process_noise": "on the joint forces" if noise.input_noise else "on the states",
     }
-    return Filtered(estimate, run, chi0, tuning, settings, jacobian, calls, shift)
+    return Filtered(estimate, run, chi0, tuning, settings, engine, jacobian, calls, shift)
 
 
 def transition_of(session: Session, case: EkfCase) -> tuple[str, str, int]:
@@ -107,20 +124,20 @@ def transition_of(session: Session, case: EkfCase) -> tuple[str, str, int]:
 
 def transition_text(interface: str, method: str, substeps: int) -> str:
     """How a transition is computed, in words."""
-    if interface == "CS":
-        return "Co-Simulation, the FMU's own steps"
+    if interface != "ME":
+        return f"Co-Simulation, the FMU's own steps{', each after a reset' if interface == 'CS reset' else ''}"
     if method == "euler":
         return "Euler (Eq. 13)"
     return f"RK4, {substeps} sub-step{'' if substeps == 1 else 's'}"
 
 
 def transition_shift(
-    binding: Binding, run: FilterRun, u: np.ndarray, noise: Tuning, method: str, substeps: int
+    binding: Binding, run: FilterRun, u: np.ndarray, noise: Tuning, method: str, substeps: int, engine: str
 ) -> float:
     """The worst shift in sigma by the transition's own error: against the same plant in FINER sub-steps by RK4."""
     with (
-        open_plant(binding, "filter", "ME", method, substeps) as plant,
-        open_plant(binding, "filter", "ME", "rk4", FINER * substeps) as fine,
+        open_plant(binding, "filter", "ME", method, substeps, engine) as plant,
+        open_plant(binding, "filter", "ME", "rk4", FINER * substeps, engine) as fine,
     ):
         return worst_shift(plant, fine, run, u, noise)
 
