@@ -30,7 +30,7 @@ class UduForm:
         """Take the measurement y (n,); returns the innovation (n,) and its covariance S (n, n)."""
         innovation = y - self.H @ self.x
         HU = self.H @ self.U
-        S = (HU * self.d) @ HU.T + np.diag(self.R)
+        S = product(HU * self.d, HU.T) + np.diag(self.R)
         for h, r, yi in zip(self.H, self.R, y, strict=True):
             residual = yi - h @ self.x
             self.U, self.d, K = udu.update(self.U, self.d, h, r)

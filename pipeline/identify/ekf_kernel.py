@@ -201,7 +201,7 @@ def _update_joseph(w, k):
             factor = K[a] * R[i] - M[a, h]
             for b in range(a + 1):
                 value = M[a, b] + factor * K[b]
-                P[a, b] = 0.0 if abs(value) < TINY else value
+                P[a, b] = 0.0 if abs(value) < TINY and b < a else value
         for a in range(nx):
             for b in range(a):
                 P[b, a] = P[a, b]

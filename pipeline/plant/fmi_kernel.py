@@ -5,6 +5,7 @@ Each kernel returns whether the call failed; then the record's `call` and `statu
 
 from __future__ import annotations
 
+from pipeline.plant.fmu import CHATTER, ITERATIONS, TERMINATE
 from pipeline.plant.kernel import bytes_at, call, integers_at, kernel
 
 FUNCTIONS = (
@@ -30,10 +31,6 @@ CALLS = (
 ) = range(len(CALLS))  # fmt: skip
 
 DISCARD = 2
-NOT_FINITE, TERMINATE, CHATTER = 100, 101, 102
-"""Statuses of our own, beyond the standard's: a value is not finite, the FMU asks to end, events never settle."""
-
-ITERATIONS = 100
 
 
 @kernel

@@ -22,7 +22,16 @@ from pipeline.plant.fmi2 import Fmi2
 from pipeline.plant.fmi3 import Fmi3
 from pipeline.plant.log import close_log, open_log
 
-STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+NOT_FINITE, TERMINATE, CHATTER = 100, 101, 102
+"""Statuses of our own, beyond the standard's."""
+
+STATUS = {
+    **{i: f"returned {w}" for i, w in enumerate(("OK", "Warning", "Discard", "Error", "Fatal", "Pending"))},
+    NOT_FINITE: "gave a value that is not finite",
+    TERMINATE: "asked to terminate",
+    CHATTER: "did not end after 100 iterations: the model chatters",
+}
+ITERATIONS = 100
 VERSIONS = {"2.0": Fmi2, "3.0": Fmi3}
 REAL = ("Real", "Float64")
 INTERFACES = {"ME": "ModelExchange", "CS": "CoSimulation"}
@@ -173,24 +182,22 @@ class Instance:
 
     def settle(self, t: float) -> None:
         """In Event Mode: iterate until no further discrete state changes (2.0.5, §3.2.2; 3.0.2, §3.2.1)."""
-        for _ in range(100):
+        for _ in range(ITERATIONS):
             status, needed, terminate = self.calls.update_discrete_states()
-            self.check(status, "the event iteration", t)
-            if terminate:
-                raise FmuError(f"{self.file.path.name}: asks to terminate in Event Mode{self.last_message()}")
+            self.check(status or TERMINATE * terminate, "the event iteration", t)
             if not needed:
                 return
-        raise FmuError(f"{self.file.path.name}: 100 event iterations without an end; the model chatters")
+        self.check(CHATTER, "the event iteration", t)
 
     def check(self, status: int, function: str, t: float) -> None:
-        """Raise FmuError unless `status`, the maximum over one or more raw calls at time t (s), is OK.
+        """Raise FmuError unless `status`, of a raw call at time t (s) or one of our own, is OK.
 
         function: what was called; the name of one of the standard's functions goes without its prefix.
         """
         if status != 0:
-            word = STATUS[status] if 0 <= status < len(STATUS) else f"an illegal status {status}"
+            word = STATUS.get(status, f"returned an illegal status {status}")
             function = f"{self.calls.prefix}{function}" if function[0].isupper() else function
-            raise FmuError(f"{self.file.path.name}: {function} at t = {t:g} s returned {word}{self.last_message()}")
+            raise FmuError(f"{self.file.path.name}: {function} at t = {t:g} s {word}{self.last_message()}")
 
     def last_message(self) -> str:
         """The FMU's last log message in brackets, or ""."""

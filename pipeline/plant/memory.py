@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.errors import FmuError
-from pipeline.plant.fmi_kernel import CALLS, CHATTER, DERIVATIVES, FUNCTIONS, NOT_FINITE, TERMINATE
+from pipeline.plant.fmi_kernel import CALLS, DERIVATIVES, FUNCTIONS
 from pipeline.plant.fmu import Instance
 
 
@@ -52,14 +51,7 @@ def connect(memory: Memory, instance: Instance) -> None:
 
 def refuse(memory: Memory, instance: Instance, t: float) -> None:
     """Raise FmuError for what a kernel failed with at t (s)."""
-    what, status, name = memory.number("call"), memory.number("status"), instance.file.path.name
-    call = CALLS[what]
-    if what == DERIVATIVES:
+    call = CALLS[memory.number("call")]
+    if call == CALLS[DERIVATIVES]:
         call = instance.calls.derivatives_call.removeprefix(instance.calls.prefix)
-    if status == NOT_FINITE:
-        raise FmuError(f"{name}: {call} at t = {t:g} s gave a value that is not finite")
-    if status == TERMINATE:
-        raise FmuError(f"{name}: asks to terminate at t = {t:g} s, in {call}{instance.last_message()}")
-    if status == CHATTER:
-        raise FmuError(f"{name}: event iterations at t = {t:g} s without an end; the model chatters")
-    instance.check(status, call, t)
+    instance.check(memory.number("status"), call, t)

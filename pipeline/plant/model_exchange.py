@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.errors import FmuError
 from pipeline.in_order import product
 from pipeline.plant.binding import Binding, check_binding
-from pipeline.plant.fmu import Fmu, Instance
+from pipeline.plant.fmu import NOT_FINITE, TERMINATE, Fmu, Instance
 from pipeline.plant.references import References, double_p, tuned_and_fed
 from pipeline.plant.states import influential, refuse_events, state_order, states_of
 from pipeline.plant.tangents import Sensitivity, Tangents
@@ -67,11 +66,9 @@ class ModelExchangePlant:
         set_states, get_derivatives, fmu, nx = self._set_states, self._get_derivatives, self._fmu, self.nx
         status = max(max(set_states(fmu, x, nx), get_derivatives(fmu, dx, nx)) for x, dx in rows)
         self.calls += len(states)
-        if status:
-            self.instance.check(status, self._derivatives_call, 0.0)
         found = dX[:, self.order[: self.n]]
-        if not np.isfinite(found).all():
-            raise FmuError(f"{self.file.path.name}: the derivatives at t = 0 s are not finite")
+        if status or not np.isfinite(found).all():
+            self.instance.check(status or NOT_FINITE, self._derivatives_call, 0.0)
         return found
 
     def _batch(self, N: int) -> tuple[np.ndarray, np.ndarray, list]:
@@ -144,55 +141,57 @@ class ModelExchangePlant:
 
     def _evaluate(self, s: np.ndarray, t: float) -> np.ndarray:
         """Derivatives in the seam's order."""
+        self._set(s, t)
+        status = self._get_derivatives(self._fmu, self._dx_pointer, self.nx)
+        self.calls += 1
+        derivative = self._dx[self.order]
+        if status or not np.isfinite(derivative.sum()):
+            self.instance.check(status or NOT_FINITE, self._derivatives_call, t)
+        return derivative
+
+    def _set(self, s: np.ndarray, t: float) -> None:
+        """Set the continuous states to s (ns,)."""
         self._x[self.order] = s
         status = self._set_states(self._fmu, self._x_pointer, self.nx)
-        status = max(status, self._get_derivatives(self._fmu, self._dx_pointer, self.nx))
-        self.calls += 1
         if status:
-            self.instance.check(status, self._derivatives_call, t)
-        derivative = self._dx[self.order]
-        if not np.isfinite(derivative.sum()):
-            raise FmuError(f"{self.file.path.name}: the derivatives at t = {t:g} s are not finite")
-        return derivative
+            self.instance.check(status, "SetContinuousStates", t)
 
     def _prepare(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float) -> None:
         """Set time, parameters (in Event Mode, only when they changed) and inputs; a new time completes a step."""
-        status = 0 if t == self.t else self._complete_step(s, t)
+        if t != self.t:
+            self._complete_step(s, t)
         if not np.array_equal(chi, self._chi):
-            if self.tuned.size:
-                status = max(status, self._tune(chi, t))
-            self._chi[:] = chi
-        status = max(status, self.inputs.set(np.concatenate([u, chi[self.fed]]) if self.fed.size else u))
+            self._tune(chi, t)
+        status = self.inputs.set(np.concatenate([u, chi[self.fed]]) if self.fed.size else u)
         if status:
-            self._chi[:] = np.nan
-            self.instance.check(status, "setting inputs and parameters", t)
+            self.instance.check(status, "setting the inputs", t)
 
-    def _complete_step(self, s: np.ndarray, t: float) -> int:
+    def _complete_step(self, s: np.ndarray, t: float) -> None:
         """Move the time to t, the state s (ns,) being what it is there (FMI 2.0.5, §3.2.1)."""
-        self._x[self.order] = s
-        status = self._set_time(self._fmu, t)
-        status = max(status, self._set_states(self._fmu, self._x_pointer, self.nx))
-        self.t = t
+        self.t, calls, check = t, self.instance.calls, self.instance.check
+        check(self._set_time(self._fmu, t), "SetTime", t)
+        self._set(s, t)
         if not self.file.description.modelExchange.needsCompletedIntegratorStep:
-            return status
-        completed, enter_event_mode, terminate = self.instance.calls.completed_step()
-        if terminate:
-            raise FmuError(f"{self.file.path.name}: asks to terminate at t = {t:g} s{self.instance.last_message()}")
+            return
+        status, enter_event_mode, terminate = calls.completed_step()
+        check(status or TERMINATE * terminate, "CompletedIntegratorStep", t)
         if enter_event_mode:
-            self._chi[:] = np.nan  # Event Mode is entered by setting the parameters anew
-        return max(status, completed)
+            check(calls.enter_event_mode(), "EnterEventMode", t)
+            self._leave_event_mode(t)
 
-    def _tune(self, chi: np.ndarray, t: float) -> int:
-        calls = self.instance.calls
-        self._chi[:] = np.nan  # until all is done, nobody knows
-        status = calls.enter_event_mode()
-        status = max(status, self.parameters.set(chi[self.tuned]))
-        updated, needed, terminate = calls.update_discrete_states()
-        if terminate:
-            raise FmuError(f"{self.file.path.name}: asks to terminate in Event Mode{self.instance.last_message()}")
-        if needed:
-            self.instance.settle(t)
-        return max(status, updated, calls.enter_continuous_time_mode())
+    def _tune(self, chi: np.ndarray, t: float) -> None:
+        """Set the parameters that are not fed as inputs, in Event Mode (2.0.5, §3.2.1; 3.0.2, §3.2.1)."""
+        calls, check = self.instance.calls, self.instance.check
+        if self.tuned.size and not np.array_equal(chi[self.tuned], self._chi[self.tuned]):
+            self._chi[:] = np.nan  # until all is done, nobody knows
+            check(calls.enter_event_mode(), "EnterEventMode", t)
+            check(self.parameters.set(chi[self.tuned]), "setting the parameters", t)
+            self._leave_event_mode(t)
+        self._chi[:] = chi
+
+    def _leave_event_mode(self, t: float) -> None:
+        self.instance.settle(t)
+        self.instance.check(self.instance.calls.enter_continuous_time_mode(), "EnterContinuousTimeMode", t)
 
     def _divide_parameters(self) -> None:
         """Parameters that the FMU has as inputs are fed beside the plant's input; the others are tuned."""

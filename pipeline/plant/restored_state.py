@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.errors import ConfigError, FmuError
 from pipeline.plant.binding import Binding, check_binding
-from pipeline.plant.fmu import Fmu, Instance
+from pipeline.plant.fmu import NOT_FINITE, Fmu, Instance
 from pipeline.plant.references import References, tuned_and_fed
 from pipeline.plant.states import influential, refuse_events, state_order
 
@@ -93,8 +93,7 @@ class CoSimulationPlant:
         check(calls.do_step(t, dt), "DoStep", t)
         check(self.outputs.get(), "reading the outputs", t)
         result = self.outputs.buffer.copy()
-        if not np.isfinite(result.sum()):
-            raise FmuError(f"{self.file.path.name}: the step at t = {t:g} s gave a value that is not finite")
+        check(NOT_FINITE * (not np.isfinite(result.sum())), "DoStep", t)
         return result
 
     def _go_back(self, t: float) -> None:

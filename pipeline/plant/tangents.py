@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.errors import FmuError
-from pipeline.plant.fmu import Instance
+from pipeline.plant.fmu import NOT_FINITE, Instance
 from pipeline.plant.references import double_p
 
 
@@ -48,5 +47,5 @@ class Tangents:
             if status:
                 self._instance.check(status, "GetDirectionalDerivative", t)
         if not np.isfinite(self._columns.sum()):
-            raise FmuError(f"{self._instance.file.path.name}: a directional derivative at t = {t:g} s is not finite")
+            self._instance.check(NOT_FINITE, "GetDirectionalDerivative", t)
         return self._columns.T.copy()

@@ -13,7 +13,6 @@ from pipeline.plant.fmi_kernel import (
     DIRECTIONAL,
     INPUTS,
     INSTANCE,
-    NOT_FINITE,
     OUTPUTS,
     PARAMETERS,
     STARTS,
@@ -36,6 +35,7 @@ from pipeline.plant.fmi_kernel import (
     settle,
     setup,
 )
+from pipeline.plant.fmu import NOT_FINITE
 from pipeline.plant.kernel import array_at, integers_at, kernel, matrix_at
 
 MODEL_EXCHANGE, RESTORED, RESET = range(3)

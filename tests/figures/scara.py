@@ -259,7 +259,7 @@ def covariance_figures() -> list[Figure]:
     directional derivatives, nothing does.
     """
     with patch.dict(FORMS, udu=BothForms):
-        _with_form("udu", "ekf.jacobian='central'")
+        _with_form("udu", "ekf.jacobian='central'", "engine='python'")
     name = "EKF(3) known: UDUᵀ − Joseph, each with its own"
     return [
         at_most("EKF(3) known: UDUᵀ − Joseph, the same Jacobians, sigma", float(BothForms.distance), 1e-8),
@@ -273,8 +273,8 @@ def _apart(override: str) -> float:
     return float(np.max(np.abs(udu.theta - joseph.theta) / udu.sigma))
 
 
-def _with_form(form: str, override: str) -> Estimate:
-    return filtered(session_of(1, f"ekf.covariance={form!r}", override), "EKF(3)", "known").estimate
+def _with_form(form: str, *overrides: str) -> Estimate:
+    return filtered(session_of(1, f"ekf.covariance={form!r}", *overrides), "EKF(3)", "known").estimate
 
 
 def paper_figures() -> list[Figure]:

@@ -12,7 +12,7 @@ from pipeline.plant.tangents import Sensitivity
 class Pendulum:
     """A plant with known derivatives: s⁺ = [qd + dt(chi·sin(q) + u), q + dt·qd]."""
 
-    compiled, columns = False, range(4)
+    n, ns, compiled, columns = 1, 2, False, range(4)
     binding = SimpleNamespace(u_range=np.array([2.0]), scale=np.array([1.0]))
 
     def transition(self, s, u, chi, t, dt):

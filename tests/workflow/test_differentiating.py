@@ -2,17 +2,21 @@
 
 from unittest.mock import patch
 
+import numpy as np
 import pytest
 
 from pipeline.errors import FmuError
+from pipeline.identify.jacobian import Point
 from pipeline.plant.fmu import Fmu
 from pipeline.plant.model_exchange import ModelExchangePlant
+from pipeline.plant.plant import open_plant
 from pipeline.plant.tangents import Tangents
 from pipeline.workflow.acquire import simulate
 from pipeline.workflow.batch import open_inverse_model, run_variant
-from pipeline.workflow.differentiating import JacobianChoice, choose_jacobian
+from pipeline.workflow.differentiating import JacobianChoice, _compared, choose_jacobian
 from pipeline.workflow.session import open_session
 from tests.figures.scara import session_of
+from tests.plant.moody import build_moody, moody_binding
 
 RK4 = ("ME", "rk4", 4)
 
@@ -82,3 +86,21 @@ def test_points_that_the_plant_refuses_leave_no_trust(best):
     with patch.object(ModelExchangePlant, "transition", side_effect=FmuError("scara.fmu: no mass")):
         choice = choose_jacobian(open_session("scara", ["ekf.jacobian='forward'"]), best, *RK4)
     assert choice.difference is None and "no mass" in choice.reason and choice.doubt
+
+
+def test_a_wrong_word_on_dependencies_is_found_and_all_columns_differenced(tmp_path):
+    """The FMU's acceleration depends on the position, and its description does not say so."""
+    points = [Point(np.array([0.3, q]), np.array([2.0, 3.0]), np.array([1.0]), 0.0, 0.01) for q in (0.1, 0.5)]
+    honest, wrong = (build_moody(_folder(tmp_path, name), stiffness) for name, stiffness in (("a", 0.0), ("b", 40.0)))
+    for engine in ("python", "compiled"):
+        with open_plant(moody_binding(honest), engine=engine) as plant:
+            choice = _compared(plant, points, "forward")
+            assert not choice.all_columns and len(plant.columns) == 4 and not choice.doubt
+        with open_plant(moody_binding(wrong), engine=engine) as plant:
+            choice = _compared(plant, points, "forward")
+        assert choice.all_columns and "all columns are differenced" in choice.text and not choice.doubt
+
+
+def _folder(parent, name):
+    (parent / name).mkdir()
+    return parent / name

@@ -1,0 +1,103 @@
+"""The engine of an experiment: compiled where it does as Python does, else Python, and it is said why."""
+
+import builtins
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+
+from pipeline.plant.compiled import CompiledPlant
+from pipeline.workflow.acquire import simulate
+from pipeline.workflow.batch import open_inverse_model, run_variant
+from pipeline.workflow.differentiating import points_of
+from pipeline.workflow.engine import EngineChoice, choose_engine
+from pipeline.workflow.filtering import run_case
+from tests.figures.scara import session_of
+
+SAMPLES = 400
+RK4 = ("ME", "rk4", 4)
+
+
+@pytest.fixture(scope="module")
+def record(fmus):
+    """The measured frame and the recommended WLS."""
+    session = session_of()
+    frame = simulate(session)
+    with open_inverse_model(session, frame) as model:
+        return frame, run_variant(session, frame, model, session.recommended)
+
+
+def filtered(record, name, tuning, *overrides):
+    session = session_of(1, *overrides)
+    frame, best = record
+    case = next(c for c in session.experiment.ekf.case if c.called(tuning) == name)
+    return run_case(session, frame[:SAMPLES], best, case, tuning)
+
+
+@pytest.mark.parametrize("override", ["ekf.jacobian='central'", "ekf.interface='CS reset'", "ekf.covariance='joseph'"])
+@pytest.mark.parametrize(
+    ("name", "tuning"), [("EKF(1)", "paper"), ("EKF(2)", "paper"), ("EKF(3) known", "known"), ("EKF(3) Euler", "known")]
+)
+def test_both_engines_give_the_same_estimate(record, name, tuning, override):
+    python, compiled = (filtered(record, name, tuning, override, f"engine={e!r}") for e in ("python", "compiled"))
+    assert (compiled.engine.used, python.engine.used) == ("compiled", "python")
+    assert compiled.estimate.status == python.estimate.status and compiled.estimate.reason == python.estimate.reason
+    np.testing.assert_array_equal(compiled.estimate.theta, python.estimate.theta)
+    np.testing.assert_array_equal(compiled.run.x, python.run.x)
+    np.testing.assert_array_equal(compiled.run.P, python.run.P)
+    assert compiled.shift == python.shift and compiled.jacobian == python.jacobian
+
+
+def test_filterpy_is_an_engine_one_can_select(record):
+    opinion, ours = (filtered(record, "EKF(3) known", "known", f"engine={e!r}") for e in ("filterpy", "compiled"))
+    assert opinion.settings["covariance"] == "filterpy" and "filterpy" in opinion.settings["engine"]
+    sigma = np.sqrt(np.diag(opinion.run.P))
+    assert np.max(np.abs(opinion.run.x[-1] - ours.run.x[-1]) / sigma) < 1e-5
+
+
+def choice(record):
+    session = session_of()
+    return choose_engine(session, points_of(session, record[1]), *RK4)
+
+
+def test_the_compiled_engine_is_the_default(record):
+    assert choice(record) == EngineChoice("compiled")
+
+
+def test_without_numba_it_is_python_and_this_is_said(record):
+    real = builtins.__import__
+
+    def without(name, *rest):
+        if name.startswith("pipeline.plant.compiled"):
+            raise ImportError("No module named 'numba'")
+        return real(name, *rest)
+
+    with patch.object(builtins, "__import__", without):
+        found = choice(record)
+    assert found.used == "python" and "No module named 'numba'" in found.text
+
+
+@pytest.mark.parametrize("entry", [0, 5, -1], ids=["state", "parameter", "input"])
+def test_a_compiled_engine_that_is_off_gives_way_to_python(record, entry):
+    right = CompiledPlant.linearise
+
+    def wrong(self, *arguments):
+        f, J = right(self, *arguments)
+        J[0, entry] *= 1.0 + 1e-7
+        return f, J
+
+    with patch.object(CompiledPlant, "linearise", wrong):
+        found = choice(record)
+    assert found.used == "python" and found.reason.startswith("compiled, the transition or its Jacobian is")
+
+
+def test_what_is_chosen_reaches_the_record_and_the_user(record):
+    lines = []
+    session = session_of()
+    session = type(session)(**{**session.__dict__, "narrate": lines.append})
+    frame, best = record
+    case = session.experiment.ekf.case[-1]
+    with patch("pipeline.workflow.engine.unavailable", lambda: "numba cannot be imported: gone"):
+        found = run_case(session, frame[:50], best, case, "known")
+    assert found.engine.used == "python" and "gone" in found.settings["engine"]
+    assert len(lines) == 1 and "Python (numba cannot be imported: gone)" in lines[0]
