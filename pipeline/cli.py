@@ -121,11 +121,12 @@ def _simulate(arguments: argparse.Namespace) -> int:
 
 
 def _identify(arguments: argparse.Namespace) -> int:
+    session = _session(arguments)
     from pipeline.report.console import estimates_text
     from pipeline.report.record import plain
     from pipeline.workflow.run import identify
 
-    record, _ = identify(_session(arguments))
+    record, _ = identify(session)
     record = plain(record)
     print(json.dumps(record["estimates"]) if arguments.json else estimates_text(record))
     _tell_errors(record)
@@ -133,10 +134,11 @@ def _identify(arguments: argparse.Namespace) -> int:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    session = _session(arguments)  # first of all: a mistake is answered before the slow imports
     from pipeline.report.console import verdict_text
     from pipeline.workflow.run import run
 
-    folder, record = run(_session(arguments), arguments.output)
+    folder, record = run(session, arguments.output)
     page = folder / "index.html"
     if arguments.json:
         print(json.dumps({"report": str(page), "record": str(folder / "result.json"), "verdict": record["verdict"]}))

@@ -11,7 +11,8 @@ from scipy import signal
 
 from pipeline.records import Regression
 from pipeline.settings import WlsSettings
-from pipeline.signals.filters import cutoff_frequency, design
+from pipeline.signals.cutoffs import cutoff_frequency
+from pipeline.signals.filters import design
 from pipeline.signals.frames import joint_columns
 
 

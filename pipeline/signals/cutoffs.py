@@ -6,8 +6,9 @@ from msgspec.structs import replace
 
 from pipeline.errors import ConfigError
 from pipeline.settings import Filter, WlsSettings
-from pipeline.signals.filters import cutoff_frequency
 
+CHEBYSHEV_BAND = 0.8
+"""Where the filter "decimate" ends, as a fraction of the decimated Nyquist."""
 POSITION, PARALLEL = 5.0, 2.0
 """Cut-offs of the position filter and of the parallel filter, in multiples of f_dyn (Gautier & Poignet 2001, 5.1)."""
 MARGIN = 1.15
@@ -65,6 +66,13 @@ def check_border(name: str, border: tuple[int, int], samples: int) -> None:
     first, last = border
     if first + last >= samples:
         raise ConfigError(f"{name}: border {first} + {last} leaves none of {samples} samples; cut fewer")
+
+
+def cutoff_frequency(rate: float, settings: Filter, decimation: int = 1) -> float:
+    """Cut-off [Hz] of the filter, the Nyquist frequency for "none"."""
+    if settings.kind == "none":
+        return 0.5 * rate
+    return CHEBYSHEV_BAND * 0.5 * rate / decimation if settings.kind == "decimate" else settings.cutoff
 
 
 def described(settings: WlsSettings, resolved: WlsSettings, rate: float) -> dict:

@@ -7,8 +7,9 @@ from scipy import signal
 
 from pipeline.errors import ConfigError, DataError
 from pipeline.settings import Filter
+from pipeline.signals.cutoffs import CHEBYSHEV_BAND, cutoff_frequency
 
-CHEBYSHEV_ORDER, CHEBYSHEV_RIPPLE_DB, CHEBYSHEV_BAND = 8, 0.05, 0.8
+CHEBYSHEV_ORDER, CHEBYSHEV_RIPPLE_DB = 8, 0.05
 
 
 def low_pass(x: np.ndarray, rate: float, settings: Filter, decimation: int = 1) -> np.ndarray:
@@ -63,13 +64,6 @@ def padding_length(sos: np.ndarray) -> int:
     """Samples of odd reflection at each end: three times the filter's taps, SciPy's and Matlab's default."""
     taps = 2 * len(sos) + 1 - min((sos[:, 2] == 0.0).sum(), (sos[:, 5] == 0.0).sum())
     return 3 * int(taps)
-
-
-def cutoff_frequency(rate: float, settings: Filter, decimation: int = 1) -> float:
-    """Cut-off [Hz] of the filter, the Nyquist frequency for "none"."""
-    if settings.kind == "none":
-        return 0.5 * rate
-    return CHEBYSHEV_BAND * 0.5 * rate / decimation if settings.kind == "decimate" else settings.cutoff
 
 
 def _forward(sos: np.ndarray, x: np.ndarray) -> np.ndarray:
