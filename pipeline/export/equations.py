@@ -95,8 +95,8 @@ def _translate(source: Source, start_values: dict[str, float]) -> Model:
     scope = Scope(coordinates, events.symbols)
     continuous = _residuals(expressions, source.dae["continuous_equation_operations"], scope)
     unknown = [variable.symbol for kind in ("derivative", "algebraic") for variable in variables[kind]]
-    solution = solve(continuous, unknown, source.model)
-    _solve_events(expressions, entries, scope, events, continuous, unknown, solution)
+    solution = solve(continuous, unknown, source.model, parameters)
+    _solve_events(expressions, entries, parameters, scope, events, continuous, unknown, solution)
     events.clocks = read_clocks(source, parameters)
     initial = _residuals(expressions, source.dae["initialization_equation_operations"], scope)
     starts = read_starts(expressions, entries, scope, initial, unknown, solution)
@@ -183,7 +183,7 @@ def _residuals(expressions: Expressions, operations: list[dict], scope: Scope) -
     return equations
 
 
-def _solve_events(expressions, entries, scope, events, continuous, unknown, solution) -> None:
+def _solve_events(expressions, entries, parameters, scope, events, continuous, unknown, solution) -> None:
     """Fill in the relations and what an event does: all equations hold at once, the active when-clauses with them."""
 
     def resolve(value: ca.SX, symbols: list[ca.SX], values: list[ca.SX]) -> ca.SX:
@@ -200,7 +200,7 @@ def _solve_events(expressions, entries, scope, events, continuous, unknown, solu
     discrete = Discrete(expressions, entries, scope, events)
     equations = discrete.read()
     z = [scalar.symbol for entry in entries for scalar in entry.scalars if scalar.kind == "discrete"]
-    everything = solve(equations + continuous, z + unknown, expressions.source.model)
+    everything = solve(equations + continuous, z + unknown, expressions.source.model, parameters)
     states = [scalar for entry in entries for scalar in entry.scalars if scalar.kind == "state"]
     after = discrete.actions({scalar.name: scalar.symbol for scalar in states})
     events.z = column(everything[: len(z)])

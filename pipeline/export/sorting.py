@@ -5,12 +5,14 @@ Blocks of several equations are solved together where they are linear in their u
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from pipeline.errors import ExportError
+from pipeline.export.linear import is_definite, solve_linear
 
 
 @dataclass(frozen=True)
@@ -21,8 +23,13 @@ class Equation:
     place: str = ""
 
 
-def solve(equations: list[Equation], unknowns: list[ca.SX], model: str) -> list[ca.SX]:
-    """Expressions of the unknowns (n,) in the knowns alone, from n residuals; ExportError where there are none."""
+def solve(
+    equations: list[Equation], unknowns: list[ca.SX], model: str, numbers: Mapping[str, float] | None = None
+) -> list[ca.SX]:
+    """Expressions of the unknowns (n,) in the knowns alone, from n residuals; ExportError where there are none.
+
+    numbers: values of parameters by name, for which a system of equations may turn out to be definite.
+    """
     if not unknowns and not equations:
         return []
     residuals = ca.vertcat(*[equation.residual for equation in equations])
@@ -32,10 +39,12 @@ def solve(equations: list[Equation], unknowns: list[ca.SX], model: str) -> list[
     blocks, rows, columns, row_blocks, column_blocks, *_ = structure.btf()
     order, solutions = [], []
     for k in range(blocks):  # block lower triangular: the first block stands alone
-        chosen = columns[column_blocks[k] : column_blocks[k + 1]]
-        members = [equations[i] for i in rows[row_blocks[k] : row_blocks[k + 1]]]
-        order += [unknowns[i] for i in chosen]
-        solutions += solve_block(members, [unknowns[i] for i in chosen], model)
+        chosen = [unknowns[i] for i in sorted(columns[column_blocks[k] : column_blocks[k + 1]])]
+        members = [equations[i] for i in sorted(rows[row_blocks[k] : row_blocks[k + 1]])]
+        A, b = linear_system(members, chosen, model)
+        definite = len(chosen) > 2 and is_definite(resolve(A, order, solutions), numbers or {})
+        order += chosen
+        solutions += solve_linear(A, b, definite)
     resolved, _ = ca.substitute_inplace(order, solutions, [])
     by_name = {symbol.name(): value for symbol, value in zip(order, resolved, strict=True)}
     return [by_name[symbol.name()] for symbol in unknowns]
@@ -60,8 +69,13 @@ def check_regular(structure: ca.Sparsity, equations: list[Equation], unknowns: l
     )
 
 
-def solve_block(members: list[Equation], unknowns: list[ca.SX], model: str) -> list[ca.SX]:
-    """Solve one block, linear in its own unknowns."""
+def resolve(A: ca.SX, symbols: list[ca.SX], values: list[ca.SX]) -> ca.SX:
+    """A with the values of what is solved already, each in those before it."""
+    return ca.substitute_inplace(symbols, values, [A])[1][0] if symbols else A
+
+
+def linear_system(members: list[Equation], unknowns: list[ca.SX], model: str) -> tuple[ca.SX, ca.SX]:
+    """A (n, n) and b (n,) of one block, which must be linear in its own unknowns."""
     residual = ca.vertcat(*[member.residual for member in members])
     symbols = ca.vertcat(*unknowns)
     A = ca.jacobian(residual, symbols)
@@ -73,14 +87,4 @@ def solve_block(members: list[Equation], unknowns: list[ca.SX], model: str) -> l
         names = ", ".join(symbol.name() for symbol in unknowns)
         raise ExportError(f"{model}: a singular system of equations: {names}")
     b = -ca.substitute(residual, symbols, ca.SX.zeros(len(unknowns)))
-    if len(unknowns) == 1:
-        return [b / A]
-    if len(unknowns) == 2:
-        return cramer(A, b)
-    return ca.vertsplit(ca.solve(ca.densify(A), b))
-
-
-def cramer(A: ca.SX, b: ca.SX) -> list[ca.SX]:
-    """The solution of two equations, in fewer operations than any factorisation."""
-    det = A[0, 0] * A[1, 1] - A[0, 1] * A[1, 0]
-    return [(A[1, 1] * b[0] - A[0, 1] * b[1]) / det, (A[0, 0] * b[1] - A[1, 0] * b[0]) / det]
+    return A, b
