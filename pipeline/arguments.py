@@ -23,7 +23,9 @@ def parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", dest="command")
 
     build = commands.add_parser("build", help="export the FMUs from the Modelica sources", epilog=EXIT_CODES)
-    build.add_argument("names", nargs="*", metavar="NAME", help="FMUs to build, for example scara (default: all)")
+    build.add_argument(
+        "names", nargs="*", metavar="NAME", help="FMUs to build, for example scara (default: all but chains)"
+    )
     build.add_argument("--fmi", choices=("2", "3", "both"), default="both", help="FMI version (default: both)")
     build.add_argument("--force", action="store_true", help="build even what is up to date")
     build.add_argument("--json", action="store_true", help="print the result as JSON")

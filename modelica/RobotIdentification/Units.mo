@@ -7,11 +7,13 @@ package Units "SI unit types (in the manner of Modelica.Units.SI, so that no oth
   type Torque = Real(final quantity="Torque", final unit="N.m") "Torque";
   type Inertia = Real(final quantity="MomentOfInertia", final unit="kg.m2")
     "Moment of inertia, or a first moment times a length";
+  type FirstMoment = Real(final quantity="FirstMoment", final unit="kg.m") "First moment of a mass";
   type RotationalDamping = Real(final quantity="RotationalDampingConstant", final unit="N.m.s/rad")
     "Torque per angular velocity";
   type RotationalStiffness = Real(final quantity="RotationalSpringConstant", final unit="N.m/rad") "Torque per angle";
-  type Position = Real(final quantity="Length", final unit="m") "Position along an axis";
+  type Position = Real(final quantity="Length", final unit="m") "Position along an axis, or a length";
   type Velocity = Real(final quantity="Velocity", final unit="m/s") "Velocity";
+  type Acceleration = Real(final quantity="Acceleration", final unit="m/s2") "Acceleration";
   type Mass = Real(final quantity="Mass", final unit="kg") "Mass";
   type Force = Real(final quantity="Force", final unit="N") "Force";
   type TranslationalDamping = Real(final quantity="TranslationalDampingConstant", final unit="N.s/m")

@@ -19,7 +19,7 @@ from threading import Lock
 
 from pipeline.errors import ExportError
 from pipeline.export.archive import write_archive
-from pipeline.export.catalogue import Recipe, recipes
+from pipeline.export.catalogue import Recipe, benchmarks, recipes
 from pipeline.export.claim import claimed
 from pipeline.export.codegen import generate
 from pipeline.export.compiler import compile_library, describe_compiler, find_compiler, platform
@@ -57,7 +57,7 @@ def build(
     report: Callable[[str], None] = lambda line: None,
     variants: Mapping[str, tuple[str, tuple[str, ...]]] | None = None,
 ) -> list[Built]:
-    """Build the FMUs `names` (None: all) into `out`; those whose inputs have not changed are left alone.
+    """Build the FMUs `names` (None: all but benchmarks) into `out`; those whose inputs have not changed are left alone.
 
     start_values: {FMU name: {parameter: value}} replace bindings of the Modelica text; the FMU must have the parameter.
     fmi: the version, "2", "3" or "both". variants: {FMU name: (name of its plain FMU, parameters)}: FMUs with these
@@ -70,8 +70,9 @@ def build(
     if unknown:
         what = f"no FMU {', '.join(unknown)}: there are {', '.join(offered)}"
         raise ExportError(f"{what}; --fmi chooses the version" if any("_fmi3" in name for name in unknown) else what)
+    chosen = names or [name for name in offered if name not in benchmarks(modelica)]
     with claimed(out):
-        return _build({name: offered[name] for name in names or offered}, out, fmi, force, modelica, report)
+        return _build({name: offered[name] for name in chosen}, out, fmi, force, modelica, report)
 
 
 def _build(

@@ -1,5 +1,5 @@
-"""Which FMUs a Modelica package offers: every class listed in its FMUs/package.order, named in snake_case; and variants
-of these, whose parameters are continuous inputs.
+"""Which FMUs a Modelica package offers: every class listed in its FMUs/package.order, named in snake_case; variants of
+these, whose parameters are continuous inputs; and, when they are asked for by name, the classes of its Benchmarks.
 """
 
 from __future__ import annotations
@@ -19,11 +19,20 @@ def identifier(name: str) -> str:
 
 def exported(modelica: Path) -> dict[str, str]:
     """FMU name → class, for every class of FMUs/package.order."""
-    order = modelica / "FMUs" / "package.order"
-    if not order.is_file():
+    if not (modelica / "FMUs" / "package.order").is_file():
         raise ExportError(f"{modelica}: no FMUs/package.order, which lists the classes to export")
-    classes = order.read_text(encoding="utf-8").split()
-    return {identifier(leaf): f"{modelica.name}.FMUs.{leaf}" for leaf in classes}
+    return listed(modelica, "FMUs")
+
+
+def benchmarks(modelica: Path) -> dict[str, str]:
+    """FMU name → class, for every class of Benchmarks/package.order: these are built by name only."""
+    return listed(modelica, "Benchmarks") if (modelica / "Benchmarks" / "package.order").is_file() else {}
+
+
+def listed(modelica: Path, package: str) -> dict[str, str]:
+    """FMU name → class, for every class of a package's package.order."""
+    classes = (modelica / package / "package.order").read_text(encoding="utf-8").split()
+    return {identifier(leaf): f"{modelica.name}.{package}.{leaf}" for leaf in classes}
 
 
 @dataclass(frozen=True)
@@ -40,7 +49,8 @@ def recipes(
     start_values: Mapping[str, Mapping[str, float]] | None = None,
     variants: Mapping[str, tuple[str, tuple[str, ...]]] | None = None,
 ) -> dict[str, Recipe]:
-    """FMU name → recipe, for every class of FMUs/package.order and every variant {name: (FMU, parameters)} of one.
+    """FMU name → recipe, for every class of FMUs/package.order, every variant {name: (FMU, parameters)} of one and
+    every benchmark.
 
     start_values: {FMU name: {parameter: value}}; those of an FMU hold for its variants too. Raises ExportError.
     """
@@ -51,4 +61,4 @@ def recipes(
             raise ExportError(f"{name}: no variant of {base} can have this name; there are {', '.join(classes)}")
         starts = {**start_values.get(base, {}), **start_values.get(name, {})}
         found[name] = Recipe(classes[base], starts, tuple(inputs))
-    return found
+    return found | {name: Recipe(model, {}) for name, model in benchmarks(modelica).items()}

@@ -200,6 +200,14 @@ def test_an_unknown_name_or_version_is_refused(package, tmp_path):
         exported(tmp_path)
 
 
+def test_benchmarks_are_built_by_name_only(package, tmp_path):
+    (package / "Benchmarks").mkdir()
+    (package / "Benchmarks/package.order").write_text("Plant64\n")
+    assert {one.name for one in build(None, tmp_path, fmi="2", modelica=package)} == {"plant", "plant_loop"}
+    with pytest.raises(ExportError, match=r"Small\.Benchmarks\.Plant64: there is no such model"):
+        build(["plant64"], tmp_path, fmi="2", modelica=package)
+
+
 def test_without_a_compiler_the_remedy_is_named(package, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
