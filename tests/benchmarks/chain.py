@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-import tomli_w
 
-from pipeline.plant.binding import Binding, load_binding
+from pipeline.config import convert
+from pipeline.plant.binding import Binding
 
 EPS = 0.1  # rad/s: while the filter runs
 UNITS = {"ZZ": "kg.m2", "MX": "kg.m", "Fv": "N.m.s/rad", "Fs": "N.m"}
@@ -23,7 +23,7 @@ def a_priori(n: int) -> dict[str, np.ndarray]:
 
 
 def chain_table(n: int, fmu: str) -> dict:
-    """The binding's TOML as a table: parameters ZZ[1] … ZZ[n], MX[1] …, Fv[1] …, Fs[1] … (4 n)."""
+    """The binding as a table: parameters ZZ[1] … ZZ[n], MX[1] …, Fv[1] …, Fs[1] … (4 n)."""
     units = {"input_unit": "N.m", "force_unit": "N.m", "position_unit": "rad", "velocity_unit": "rad/s"}
     names = {"position": "q[{}]", "velocity": "qd[{}]", "position_state": "body.q[{}]", "velocity_state": "body.qd[{}]"}
     names |= {"input": "tau[{}]", "position_start": "q_start[{}]", "velocity_start": "qd_start[{}]", "name": "joint {}"}
@@ -39,7 +39,6 @@ def chain_table(n: int, fmu: str) -> dict:
 
 
 def chain_binding(n: int, fmu_path: Path) -> Binding:
-    """The binding of `chain<n>.fmu`, written beside it as a TOML file of the same name."""
-    path = Path(fmu_path).with_suffix(".toml")
-    path.write_bytes(tomli_w.dumps(chain_table(n, Path(fmu_path).name)).encode())
-    return load_binding(str(path))
+    """The binding of a built chain, in no file: those in `fmus/` are the project's plants."""
+    path = Path(fmu_path)
+    return convert({"folder": str(path.parent), **chain_table(n, path.name)}, Binding, path.name)
