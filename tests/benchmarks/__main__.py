@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from pipeline.errors import ConfigError
-from tests.benchmarks import filters, loop, processes, regressor, seeds
+from tests.benchmarks import chains, filters, loop, processes, regressor, seeds
 from tests.benchmarks.environment import environment
 from tests.benchmarks.figure import Figure
 
 SECTIONS = {
     "filters": filters.measure,
+    "chains": chains.measure,
     "regressor": regressor.measure,
     "loop": loop.measure,
     "processes": processes.measure,

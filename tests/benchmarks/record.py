@@ -43,10 +43,10 @@ class Record:
         return replace(self, time=self.time[:samples], q=self.q[:samples], u=self.u[:samples])
 
 
-def prior(binding: Binding, q0: np.ndarray, P0_state) -> tuple[np.ndarray, np.ndarray]:
-    """z0 (nx,) and P0 (nx, nx): at rest at q0 (n,), the parameters off by OFF of their sizes."""
+def prior(binding: Binding, q0: np.ndarray, P0_state, off: float = OFF) -> tuple[np.ndarray, np.ndarray]:
+    """z0 (nx,) and P0 (nx, nx): at rest at q0 (n,), the parameters off by this share of their sizes."""
     chi = binding.a_priori
-    sigma = OFF * np.maximum(np.abs(chi), binding.scale)
+    sigma = off * np.maximum(np.abs(chi), binding.scale)
     return np.concatenate([np.zeros(binding.n), q0, chi + sigma]), np.diag([*P0_state, *sigma**2])
 
 

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 
 from pipeline.errors import ConfigError
+from pipeline.export.build import build
+from pipeline.paths import FMUS
+from pipeline.plant.plant import open_plant
 from tests.benchmarks.__main__ import main
+from tests.benchmarks.chain import chain_binding
+from tests.benchmarks.chains import simulated
 from tests.benchmarks.figure import at_least, at_most, information
 from tests.benchmarks.filters import AGREED, apart, ekf, open_scara
 from tests.benchmarks.record import scara
@@ -77,4 +82,13 @@ def test_a_section_that_is_not_there_is_refused(tmp_path):
 def test_REF_agrees_with_the_plain_filter(fmus, mode):
     record = scara().first(300)
     with reference("scara") as ref, open_scara(engine="python") as plant:
+        assert apart(ref(record, mode).x, ekf(plant, record, mode, "udu").x, record) <= AGREED[mode]
+
+
+@pytest.mark.parametrize("mode", AGREED)
+def test_REF_of_a_chain_agrees_with_the_plain_filter(mode):
+    build(["chain2"], FMUS)
+    binding = chain_binding(2, FMUS / "chain2.fmu")
+    with reference("chain", LINKS=2) as ref, open_plant(binding, "filter", "ME", "euler") as plant:
+        record = simulated(binding, plant).first(100)
         assert apart(ref(record, mode).x, ekf(plant, record, mode, "udu").x, record) <= AGREED[mode]
