@@ -15,7 +15,7 @@ from tests.benchmarks.filters import ekf, open_scara
 from tests.benchmarks.record import Record, scara
 from tests.benchmarks.turns import in_turn, ratio
 
-SEEDS, BATCHES = 1000, 10
+SEEDS, BATCHES = 1000, 20
 """A round is a batch of each: a machine that is busy for a while disturbs both."""
 
 
