@@ -94,7 +94,6 @@ static bool pass(Instance *c, const double *flags, bool *settled) {
 
 /* Run an event to its end: clauses act on ticks in the first pass, on relations that switch in any. */
 bool handle_event(Instance *c, bool initial) {
-    if (!initial && N_CLOCKS + N_RELATIONS + N_ASSERTIONS == 0) return true; /* nothing that an event could change */
     double flags[N_CLOCKS + 1] = {initial};
     bool settled = false;
     if (!initial) take_ticks(&c->memory, flags + 1);
@@ -109,6 +108,8 @@ bool handle_event(Instance *c, bool initial) {
 /* An event that the importer has entered. */
 bool run_event(Instance *c, Outcome *outcome) {
     double before[N_STATES + 1], how_exactly;
+    *outcome = (Outcome){.next_time = DBL_MAX};
+    if (N_CLOCKS + N_RELATIONS + N_ASSERTIONS == 0) return true;  /* nothing that an event could change */
     memcpy(before, X(c), N_STATES * sizeof *before);
     if (!handle_event(c, false)) return false;
     outcome->states_changed = memcmp(before, X(c), N_STATES * sizeof *before) != 0;
