@@ -12,7 +12,6 @@ from pipeline.errors import ConfigError, FmuError
 from pipeline.identify.regression import regression
 from pipeline.plant.probing import InverseModel
 from pipeline.records import OK, Estimate, Regression
-from pipeline.settings import WlsSettings
 from pipeline.signals.frames import filter_frame, joint_columns
 from pipeline.workflow.acquire import run_loop
 from pipeline.workflow.batch import BatchStage
@@ -45,7 +44,8 @@ def validate(
     validation: pd.DataFrame,
 ) -> ValidationStage:
     """Predict the forces of both runs by every estimate that has one value per probed parameter."""
-    system = _regression(session, model, validation, session.recommended)
+    systems = _regressions(session, model, batch, validation)
+    system = systems[session.recommended.name]
     usable = {
         name: theta for name, e in estimates.items() if e.status == OK and (theta := _theta(e, model.names)) is not None
     }
@@ -64,28 +64,30 @@ def validate(
     except FmuError as error:
         failure = f"{error}; the identified parameters may be no robot's"
     closed_loop = {run: _loop_errors(loop, session.binding.n) for run, loop in loops.items()}
-    return ValidationStage(
-        errors, _own_errors(session, model, batch, validation), floor, predictions, closed_loop, loops, failure
-    )
+    own = _own_errors(batch, systems)
+    return ValidationStage(errors, own, floor, predictions, closed_loop, loops, failure)
 
 
-def _own_errors(session: Session, model: InverseModel, batch: BatchStage, validation: pd.DataFrame) -> dict:
+def _own_errors(batch: BatchStage, systems: dict[str, Regression]) -> dict[str, dict[str, float]]:
     """Total error of each WLS variant, both runs filtered as the variant filters."""
     own = {}
-    for settings in session.experiment.wls:
-        found = batch.variants[settings.name]
-        if found.regression is not None:
-            theta = found.estimate.theta
-            own[settings.name] = {
-                "identification": predict(found.regression, theta).errors["total"],
-                "validation": predict(_regression(session, model, validation, settings), theta).errors["total"],
-            }
+    for name, system in systems.items():
+        found = batch.variants[name]
+        runs = {"identification": found.regression, "validation": system}
+        own[name] = {run: predict(r, found.estimate.theta).errors["total"] for run, r in runs.items()}
     return own
 
 
-def _regression(session: Session, model: InverseModel, frame: pd.DataFrame, settings: WlsSettings) -> Regression:
-    filtered = filter_frame(frame, session.binding.n, session.rate, settings)
-    return regression(filtered, session.binding.n, session.rate, settings, model, model.names)
+def _regressions(
+    session: Session, model: InverseModel, batch: BatchStage, frame: pd.DataFrame
+) -> dict[str, Regression]:
+    """The frame's regression by each WLS variant that has one of the identification run."""
+    n, rate, systems = session.binding.n, session.rate, {}
+    for settings in session.experiment.wls:
+        if batch.variants[settings.name].regression is not None:
+            filtered = filter_frame(frame, n, rate, settings)
+            systems[settings.name] = regression(filtered, n, rate, settings, model, model.names)
+    return systems
 
 
 def _theta(estimate: Estimate, names: tuple[str, ...]) -> np.ndarray | None:
