@@ -1,13 +1,14 @@
 /* REF: the dense extended Kalman filter in C, its plant inlined: what the arithmetic costs where no FMU is called.
 
    z = [qd, q, chi] (NX), Euler transition (Gautier & Poignet 2001, Eq. 13), forward or central differences by every
-   entry of z, F P F' + G Q G' dense, Joseph form. The plant (PLANT, a header) defines N joints, P parameters and
+   entry of z with the steps of pipeline/plant/steps.py, F P F' + G Q G' and the Joseph form by whole matrices, as
+   filterpy does. The plant (PLANT, a header) defines N joints, P parameters and
 
      static bool accelerations(const double *s, const double *u, const double *chi, double *qdd);
      static void response(const double *s, const double *chi, double J[N][N]);    J = d qdd / d tau, the inverse mass
 
-   Both false and zero pivots say that the mass matrix is not positive definite. The sizes are constants, so that the
-   compiler unrolls. Differences take the steps of pipeline/identify/jacobian.py. */
+   which is false where the mass matrix is not positive definite. J gives G without another evaluation: 1 + NX of them a
+   sample. The sizes are constants, so that the compiler unrolls. */
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
