@@ -70,7 +70,8 @@ def ols_sigma_rho(W: np.ndarray, y: np.ndarray, joint: np.ndarray) -> np.ndarray
 
 def _joint_sigma(W: np.ndarray, y: np.ndarray, j: int) -> float:
     lengths = np.linalg.norm(W, axis=0)
-    W = W[:, lengths > 0.0] / lengths[lengths > 0.0]
+    seen = lengths > RANK_TOLERANCE * lengths.max(initial=0.0)  # a probed zero may be rounding
+    W = W[:, seen] / lengths[seen]
     Q, R, _ = linalg.qr(W, mode="economic", pivoting=True)
     diagonal = np.abs(np.diag(R))
     rank = int(np.sum(diagonal > RANK_TOLERANCE * diagonal.max(initial=0.0)))

@@ -83,6 +83,13 @@ def test_sigma_rho_of_collinear_columns_counts_the_rank():
     assert ols_sigma_rho(np.hstack([W, W[:, :1]]), y, joint) == pytest.approx(ols_sigma_rho(W, y, joint), rel=1e-10)
 
 
+def test_sigma_rho_takes_rounding_in_a_column_of_zeros_for_no_parameter():
+    W, y, joint = random_system(1)
+    rounding = np.where(joint[:, None], 1e-15, 1.0) * np.random.default_rng(0).standard_normal((len(y), 1))
+    probed = ols_sigma_rho(np.hstack([W, rounding]), y, joint)
+    assert probed[1] == pytest.approx(ols_sigma_rho(W, y, joint)[1], rel=1e-10)
+
+
 def test_sigma_rho_without_noise_is_rounding_but_not_zero():
     system = regression(filtered_frame(), 2, RATE, RAW, inverse_model, NAMES)
     assert (system.sigma_rho > 0).all() and (system.sigma_rho < 1e-12).all()
