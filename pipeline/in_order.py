@@ -1,4 +1,4 @@
-"""Sums taken term by term, first to last, so that they have the same bits on every machine and in compiled code.
+"""Linear algebra term by term, first to last, so that it has the same bits on every machine and in compiled code.
 
 A library's matrix product adds in an order of its own, and finite differences make of its rounding 1e-6 in an estimate.
 """
@@ -16,3 +16,23 @@ def total(terms: np.ndarray) -> np.ndarray:
 def product(A: np.ndarray, B: np.ndarray) -> np.ndarray:
     """A B (m, n) of A (m, k) and B (k, n)."""
     return total(A[:, None, :] * B.T[None, :, :])
+
+
+def solve(A: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """x (N, n) of A x = b, A (N, n, n), b (N, n): elimination with row pivoting. LinAlgError where an A is singular."""
+    A, x, n, every = A.copy(), b.copy(), b.shape[1], np.arange(len(b))
+    for k in range(n):
+        pivot = k + np.argmax(np.abs(A[:, k:, k]), axis=1)
+        A[every, pivot], A[:, k] = A[:, k].copy(), A[every, pivot]
+        x[every, pivot], x[:, k] = x[:, k].copy(), x[every, pivot]
+        if not (np.abs(A[:, k, k]) > 0.0).all():
+            raise np.linalg.LinAlgError("singular matrix")
+        for i in range(k + 1, n):
+            factor = A[:, i, k] / A[:, k, k]
+            A[:, i, k + 1 :] -= factor[:, None] * A[:, k, k + 1 :]
+            x[:, i] -= factor * x[:, k]
+    for k in reversed(range(n)):
+        for j in range(k + 1, n):
+            x[:, k] -= A[:, k, j] * x[:, j]
+        x[:, k] /= A[:, k, k]
+    return x

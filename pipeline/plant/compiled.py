@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.plant.memory import Memory, connect, refuse
 from pipeline.plant.model_exchange import ModelExchangePlant
+from pipeline.plant.regressor_kernel import PLANT_FAILED, POINTS, SINGULAR, accelerate_once, torques
 from pipeline.plant.restored_state import CoSimulationPlant
 from pipeline.plant.steps import EPSILON, floor
 from pipeline.plant.transition_kernel import (
@@ -74,6 +75,33 @@ class CompiledPlant:
         result = f.ctypes.data, J.ctypes.data
         self.check(linearise_once(self.memory.record, *addresses, float(t), float(dt), how, step, central, *result), t)
         return f, J.T
+
+    def accelerations(self, q: np.ndarray, qd: np.ndarray, u: np.ndarray, chi: np.ndarray) -> np.ndarray:
+        """qdd (N, n) at q, qd (N, n), all with the same input u (n,) and parameters chi (p,), at time 0."""
+        q, qd, u, chi = map(_doubles, (q, qd, u, chi))
+        X, qdd = np.empty((len(q), len(self.memory["x"]))), np.empty(q.shape)
+        at = [array.ctypes.data for array in (q, qd, X, u, chi, qdd)]
+        self.check(accelerate_once(self.memory.record, *at[:2], len(q), *at[2:]), 0.0)
+        return qdd
+
+    def torques(
+        self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, chi: np.ndarray, own: np.ndarray, step: np.ndarray
+    ) -> np.ndarray:
+        """tau (sets, N, n) that gives qdd (N, n) at q, qd (N, n) for sets of parameters chi (sets, p), at time 0.
+
+        own (sets,): whether a set has a mass matrix of its own, else it has that of the first; step (n,): the inputs
+        by which it is probed. Raises LinAlgError where one is singular.
+        """
+        (N, n), points = q.shape, Memory(POINTS)
+        points.set(N=N, sets=len(chi))
+        points.put(q=_doubles(q), qd=_doubles(qd), qdd=_doubles(qdd), chi=chi, own=own.astype(np.int64))
+        points.put(step=step, force=self.binding.gain * step, tau=np.empty((len(chi), N, n)))
+        points.room(X=(N, len(self.memory["x"])), u=n, still=n, free=(N, n), pushed=(N, n), J=(2, N, n, n), A=(n, n))
+        how = torques(self.memory.record, points.record)
+        self.check(how == PLANT_FAILED, 0.0)
+        if how == SINGULAR:
+            raise np.linalg.LinAlgError("singular matrix")
+        return points["tau"]
 
     def check(self, failed: bool, t: float) -> None:
         """Raise FmuError for a kernel that failed at t (s), naming the call and its status."""

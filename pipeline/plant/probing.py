@@ -6,15 +6,17 @@ chi, column i of D is a difference of tau over a large step. Both assumptions ar
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from pipeline.errors import FmuError, IdentificationError
+from pipeline.in_order import solve
 from pipeline.plant.model_exchange import ModelExchangePlant
 
 TOLERANCE = 1e-9  # of max|tau|: round-off leaves about 1e-13, a wrong model structure far more
 POINTS = 50
+SINGULAR = "the mass matrix is singular somewhere on the data: check the a-priori values"
 TORQUE_STEP = 0.1  # of the input's range: large against round-off, inside every saturation
 
 
@@ -29,6 +31,7 @@ class InverseModel:
         self._plant = plant
         self._chi0 = plant.binding.a_priori
         self._delta = np.maximum(np.abs(self._chi0), plant.binding.scale)
+        self._step = TORQUE_STEP * plant.binding.u_range
         self.held = held or {}
         self._active = [i for i, name in enumerate(plant.binding.names) if name not in self.held]
         self.names = tuple(plant.binding.names[i] for i in self._active)
@@ -39,7 +42,8 @@ class InverseModel:
 
         Raises FmuError where an evaluation fails, IdentificationError where the mass matrix is singular.
         """
-        T = self._by_parameter(lambda chi: self.torque(q, qd, qdd, chi))
+        own = [True, *(i in self._with_mass for i in self._active)]
+        T = self._by_parameter(self._torques(q, qd, qdd, self._sets(self._active), own), self._active)
         return T[..., :-1], T[..., -1]
 
     def mass(self, q: np.ndarray) -> np.ndarray:
@@ -47,14 +51,14 @@ class InverseModel:
 
         [D y0] = M qdd + rest(q, qd, M): D needs no further call of the FMU when only qdd changes.
         """
-        return self._by_parameter(
-            lambda chi: self._inverse(self._response(q, np.zeros_like(q), chi)[1]), self._with_mass
-        )
+        still = np.zeros_like(q)
+        masses = [_inverse(self._response(q, still, chi)[1]) for chi in self._sets(self._with_mass)]
+        return self._by_parameter(masses, self._with_mass)
 
-    def leave_friction_out_of_mass(self, q: np.ndarray) -> None:
-        """Let `mass` pass over the parameters that make no difference to it at q (N, n)."""
+    def _leave_friction_out_of_mass(self, q: np.ndarray) -> None:
+        """Take it that parameters that make no difference to the mass matrix at q (N, n) make none anywhere."""
         size = np.abs(self.mass(q)[..., :-1] * self._delta[self._active]).max(axis=(0, 1, 2))
-        self._with_mass = [i for i, s in zip(self._active, size, strict=True) if s > TOLERANCE * size.max()]
+        self._with_mass = [i for i, s in zip(self._active, size, strict=True) if s > TOLERANCE * size.max(initial=0.0)]
 
     def rest(self, q: np.ndarray, qd: np.ndarray, mass: np.ndarray) -> np.ndarray:
         """h (N, n, p + 1), the torque without acceleration per unit of each parameter, given mass = self.mass(q)."""
@@ -64,36 +68,48 @@ class InverseModel:
             M = mass @ np.append(chi[self._active], 1.0)
             return -np.einsum("gij,gj->gi", M, self._plant.accelerations(q, qd, still, chi))
 
-        return self._by_parameter(torque)
-
-    def _by_parameter(self, value: Callable[[np.ndarray], np.ndarray], among: list[int] | None = None) -> np.ndarray:
-        """value(chi), linear in the active parameters, as (…, p + 1): its columns, and what chi = 0 leaves.
-
-        among: the parameters it depends on, if not on all.
-        """
-        base = value(self._chi0)
-        columns = np.zeros((*base.shape, len(self._active) + 1))
-        for i in self._active if among is None else among:
-            chi = self._chi0.copy()
-            chi[i] += self._delta[i]
-            columns[..., self._active.index(i)] = (value(chi) - base) / self._delta[i]
-        columns[..., -1] = base - columns[..., :-1] @ self._chi0[self._active]
-        return columns
+        return self._by_parameter([torque(chi) for chi in self._sets(self._active)], self._active)
 
     def torque(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, chi: np.ndarray) -> np.ndarray:
         """tau (N, n) that gives the accelerations qdd (N, n) at q, qd (N, n) with parameters chi (p of the plant,)."""
         free, J = self._response(q, qd, chi)
-        return np.einsum("gij,gj->gi", self._inverse(J), qdd - free)
+        return np.einsum("gij,gj->gi", _inverse(J), qdd - free)  # not `solve`: its last bits are in the stored designs
 
-    @staticmethod
-    def _inverse(J: np.ndarray) -> np.ndarray:
-        """The mass matrix (N, n, n) of J (N, n, n)."""
+    def _sets(self, among: list[int]) -> list[np.ndarray]:
+        """The a-priori values, then the same with one of the parameters `among` moved by its delta."""
+        sets = [self._chi0.copy() for _ in range(1 + len(among))]
+        for chi, i in zip(sets[1:], among, strict=True):
+            chi[i] += self._delta[i]
+        return sets
+
+    def _by_parameter(self, values: Sequence[np.ndarray], among: list[int]) -> np.ndarray:
+        """What is linear in the active parameters, as (…, p + 1): its columns, and what chi = 0 leaves.
+
+        values: at the sets of parameters `_sets(among)`; it depends on no others than those.
+        """
+        base = values[0]
+        columns = np.zeros((*base.shape, len(self._active) + 1))
+        for i, value in zip(among, values[1:], strict=True):
+            columns[..., self._active.index(i)] = (value - base) / self._delta[i]
+        columns[..., -1] = base - columns[..., :-1] @ self._chi0[self._active]
+        return columns
+
+    def _torques(self, q, qd, qdd, sets: list[np.ndarray], own: list[bool]) -> np.ndarray:
+        """tau (sets, N, n) for every set of parameters; one without a mass of its own has that of the first."""
         try:
-            return np.linalg.inv(J)
+            if self._plant.compiled:
+                return self._plant.torques(q, qd, qdd, np.array(sets), np.array(own), self._step)
+            return np.array(list(self._torques_in_python(q, qd, qdd, sets, own)))
         except np.linalg.LinAlgError:
-            raise IdentificationError(
-                "the mass matrix is singular somewhere on the data: check the a-priori values"
-            ) from None
+            raise IdentificationError(SINGULAR) from None
+
+    def _torques_in_python(self, q, qd, qdd, sets: list[np.ndarray], own: list[bool]) -> Iterator[np.ndarray]:
+        """What `plant.torques` computes: the same operations in the same order."""
+        first = None
+        for chi, mass in zip(sets, own, strict=True):
+            free, J = self._response(q, qd, chi) if mass else (self._free(q, qd, chi), first)
+            first = J if first is None else first
+            yield solve(J, qdd - free)
 
     def mass_is_positive(self, q: np.ndarray, qd: np.ndarray, theta: np.ndarray) -> bool:
         """Whether the mass matrix is positive definite at q, qd (N, n) with the probed parameters theta (p,).
@@ -110,14 +126,25 @@ class InverseModel:
 
     def _response(self, q: np.ndarray, qd: np.ndarray, chi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """qdd (N, n) without a force, and J (N, n, n) = ∂qdd/∂tau, the inverse of the mass matrix."""
-        gain, step = self._plant.binding.gain, TORQUE_STEP * self._plant.binding.u_range
-        free = self._plant.accelerations(q, qd, np.zeros_like(step), chi)
+        step, force = self._step, self._plant.binding.gain * self._step
+        free = self._free(q, qd, chi)
         J = np.empty((*q.shape, q.shape[1]))
         for j in range(q.shape[1]):
             u = np.zeros_like(step)
             u[j] = step[j]
-            J[:, :, j] = (self._plant.accelerations(q, qd, u, chi) - free) / (gain[j] * step[j])
+            J[:, :, j] = (self._plant.accelerations(q, qd, u, chi) - free) / force[j]
         return free, J
+
+    def _free(self, q: np.ndarray, qd: np.ndarray, chi: np.ndarray) -> np.ndarray:
+        return self._plant.accelerations(q, qd, np.zeros_like(self._step), chi)
+
+
+def _inverse(J: np.ndarray) -> np.ndarray:
+    """The mass matrix (N, n, n) of J (N, n, n)."""
+    try:
+        return np.linalg.inv(J)
+    except np.linalg.LinAlgError:
+        raise IdentificationError(SINGULAR) from None
 
 
 def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, seed: int = 0) -> InverseModel:
@@ -137,6 +164,7 @@ def probe(plant: ModelExchangePlant, q: np.ndarray, qd: np.ndarray, qdd: np.ndar
         if not _nonlinearity(model, point, np.eye(len(model.names))[i] * rng.uniform(0.3, 0.9)) <= TOLERANCE
     }
     model = InverseModel(plant, held)
+    model._leave_friction_out_of_mass(point[0])
     defect = _nonlinearity(model, point, rng.uniform(0.1, 0.9, len(model.names)))
     if not defect <= TOLERANCE:  # NaN is no pass
         raise IdentificationError(

@@ -22,6 +22,7 @@ from pipeline.records import FAILED, Estimate, Regression, Trajectory
 from pipeline.settings import WlsSettings
 from pipeline.signals.frames import filter_frame, joint_columns
 from pipeline.simulate.trajectory import read_waypoints, sample
+from pipeline.workflow.engine import engine_of
 from pipeline.workflow.session import Session
 
 STRIDE = 25
@@ -55,7 +56,7 @@ def open_inverse_model(session: Session, frame: pd.DataFrame) -> Iterator[Invers
     n = session.binding.n
     filtered = filter_frame(frame, n, session.rate, session.recommended)
     motion = (filtered[joint_columns(c, n)].to_numpy() for c in ("q", "qd", "qdd"))
-    with open_plant(session.binding, "probe") as plant:
+    with open_plant(session.binding, "probe", engine=engine_of(session)) as plant:
         yield probe(plant, *motion, seed=session.experiment.seed)
 
 

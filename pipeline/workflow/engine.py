@@ -46,6 +46,15 @@ def choose_engine(
     return EngineChoice("python", reason) if reason else EngineChoice("compiled")
 
 
+def engine_of(session: Session) -> str:
+    """The engine of regressor and closed loop: the one asked for where it can be had, else "python", which is told."""
+    wanted = session.experiment.engine
+    reason = unavailable() if wanted == "compiled" else ""
+    if reason:
+        session.tell_once(f"  regressor and closed loop: {EngineChoice('python', reason).text}")
+    return "python" if reason else wanted
+
+
 def unavailable() -> str:
     """Why there is no compiled engine, or ""."""
     try:

@@ -17,13 +17,14 @@ from pipeline.paths import IN_CHECKOUT, ROOT
 from pipeline.plant.fmu import open_fmu
 from pipeline.workflow.acquire import data_files
 from pipeline.workflow.building import fmu_files
+from pipeline.workflow.engine import engine_of
 from pipeline.workflow.session import Session
 
 PACKAGES = ("fmpy", "numpy", "scipy", "pandas", "filterpy", "control", "casadi", "rumoca", "bokeh")
 
 
 def provenance(session: Session) -> dict:
-    """Command, versions, commit, platform, seed, and the FMUs and data files with their SHA-256."""
+    """Command, versions, commit, platform, seed, engine of regressor and loop, FMUs and data files with SHA-256."""
     commit, dirty = _commit()
     return {
         "command": shlex.join(["fmuid", *sys.argv[1:]]),
@@ -33,6 +34,7 @@ def provenance(session: Session) -> dict:
         "python": platform.python_version(),
         "platform": platform.platform(),
         "seed": session.experiment.seed,
+        "engine": engine_of(session),
         "fmus": {path.stem: _identity(path) for path in fmu_files(session)},
         "data": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in data_files(session)},
     }

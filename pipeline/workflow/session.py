@@ -29,7 +29,7 @@ class Session:
     """What every stage needs: the settings, the binding, the folder that paths are relative to.
 
     narrate: called with a line for the user as each stage ends; data: the folder of the measured files, where the
-    user gave one; stages: CPU seconds by stage.
+    user gave one; stages: CPU seconds by stage; told: what was said once.
     """
 
     experiment: Experiment
@@ -38,6 +38,7 @@ class Session:
     data: Path | None = None
     narrate: Callable[[str], None] = lambda text: None
     stages: dict[str, float] = field(default_factory=dict)
+    told: set[str] = field(default_factory=set)
 
     @property
     def rate(self) -> float:
@@ -68,6 +69,12 @@ class Session:
         if self.measured:
             return None
         return np.array([self.experiment.simulation.truth[name] for name in self.binding.names])
+
+    def tell_once(self, text: str) -> None:
+        """Narrate what is true of the whole session."""
+        if text not in self.told:
+            self.told.add(text)
+            self.narrate(text)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:

@@ -48,7 +48,7 @@ def test_smooth_friction_is_another_regressor(fmus):
 class OneJoint:
     """m qdd = u − force(chi, q, qd): a plant whose structure a test chooses."""
 
-    n = 1
+    n, compiled = 1, False
 
     def __init__(self, force, names, mass=lambda chi: 2.0, drive=lambda u: u):
         self.force, self.mass, self.drive = force, mass, drive
