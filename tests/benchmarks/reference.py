@@ -16,7 +16,7 @@ from numpy.ctypeslib import ndpointer
 from pipeline.export.compiler import find_compiler
 from tests.benchmarks.record import Record
 
-FLAGS = ["-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC", "-std=c11", "-Wall", "-Werror"]
+FLAGS = ["-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC", "-std=c11"]
 HERE = Path(__file__).parent
 _array = ndpointer(np.float64, flags="C_CONTIGUOUS")
 
