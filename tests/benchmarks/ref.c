@@ -7,8 +7,8 @@
      static bool accelerations(const double *s, const double *u, const double *chi, double *qdd);
      static void response(const double *s, const double *chi, double J[N][N]);    J = d qdd / d tau, the inverse mass
 
-   The first is false where the mass matrix is not positive definite; J gives G without another evaluation: 1 + NX of them a
-   sample. The sizes are constants, so that the compiler unrolls. */
+   The first is false where the mass matrix is not positive definite; J gives G without another evaluation, so that there
+   are 1 + NX of them a sample. The sizes are constants, so that the compiler unrolls. */
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
