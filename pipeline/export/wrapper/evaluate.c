@@ -16,11 +16,10 @@ bool fail(Instance *c, const char *format, ...) {
 
 const char *not_finite(double value) { return isnan(value) ? "not a number" : "infinite"; }
 
-bool in_mode(Instance *c, int modes) {
+bool wrong_mode(Instance *c, int modes) {
     static const struct { int mode; const char *name; } NAMES[] = {
         {INSTANTIATED, "Instantiated"}, {INITIALIZATION, "Initialization Mode"}, {EVENT, "Event Mode"},
         {CONTINUOUS, "Continuous-Time Mode"}, {STEP, "Step Mode"}, {TERMINATED, "Terminated"}};
-    if (c->memory.mode & modes) return true;
     const char *now = "", *wanted = "";
     for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++) {
         if (NAMES[i].mode & c->memory.mode) now = NAMES[i].name;
@@ -29,8 +28,8 @@ bool in_mode(Instance *c, int modes) {
     return fail(c, "not allowed in the state %s (first allowed in: %s)", now, wanted);
 }
 
-bool right_count(Instance *c, size_t n, size_t expected, const char *what) {
-    return n == expected || fail(c, "%zu %s asked for, %s has %zu", n, what, MODEL_NAME, expected);
+bool wrong_count(Instance *c, size_t n, size_t expected, const char *what) {
+    return fail(c, "%zu %s asked for, %s has %zu", n, what, MODEL_NAME, expected);
 }
 
 void reset(Instance *c) {
@@ -38,6 +37,7 @@ void reset(Instance *c) {
     for (size_t i = 0; i < N_VALUES; i++) c->memory.values[i] = VARIABLES[i].start;
     c->memory.mode = INSTANTIATED;
     c->memory.stale = STALE_ALL;
+    for (size_t i = 0; i < 2 * N_RECALLED; i++) c->recalled[i] = NAN;
 }
 
 static void moved(Instance *c) {
@@ -45,8 +45,8 @@ static void moved(Instance *c) {
     if (c->memory.mode & (INSTANTIATED | INITIALIZATION)) c->memory.stale |= STALE_START;
 }
 
-void changed(Instance *c) {
-    c->memory.stale |= STALE_CALCULATED;
+void changed(Instance *c, bool parameter) {
+    if (parameter) c->memory.stale |= STALE_CALCULATED;
     moved(c);
 }
 
@@ -63,7 +63,7 @@ void set_states(Instance *c, const double *x) {
 static void start_values(Instance *c, const double **arguments) {
     double x[N_STATES + 1], z[N_DISCRETES + 1];
     double *results[] = {x, z};
-    model_start(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_start, arguments, results);
     for (size_t i = 0; i < N_STATES; i++)
         if (VARIABLES[FIRST_STATE + i].kind == FOLLOWING_STATE) X(c)[i] = x[i];
     for (size_t i = 0; i < N_DISCRETES; i++)
@@ -75,7 +75,7 @@ static void start_relations(Instance *c, const double **arguments) {
     double truth[N_RELATIONS + 1];
     double *results[] = {truth, W(c)};
     for (int k = 0; k < MAX_ITERATIONS; k++) {
-        model_relations(arguments, results, NULL, NULL, 0);
+        evaluate(c, model_relations, arguments, results);
         bool settled = !memcmp(truth, c->memory.relations, N_RELATIONS * sizeof *truth);
         memcpy(c->memory.relations, truth, N_RELATIONS * sizeof *truth);
         if (settled) return;
@@ -88,7 +88,7 @@ void refresh(Instance *c, int what) {
     if (!(m->stale & (what | STALE_CALCULATED | STALE_START))) return;
     if (m->stale & STALE_CALCULATED) {
         double *results[] = {m->values + FIRST_CALCULATED};
-        model_calculated(arguments, results, NULL, NULL, 0);
+        evaluate(c, model_calculated, arguments, results);
     }
     if (m->stale & STALE_START) {
         start_values(c, arguments);
@@ -97,11 +97,11 @@ void refresh(Instance *c, int what) {
     m->stale &= ~(STALE_CALCULATED | STALE_START);
     if (m->stale & what & STALE_DERIVATIVES) {
         double *results[] = {DX(c)};
-        model_derivatives(arguments, results, NULL, NULL, 0);
+        evaluate(c, model_derivatives, arguments, results);
     }
     if (m->stale & what & STALE_ALGEBRAICS) {
         double *results[] = {Y(c)};
-        model_algebraics(arguments, results, NULL, NULL, 0);
+        evaluate(c, model_algebraics, arguments, results);
     }
     m->stale &= ~what;
 }
@@ -111,7 +111,7 @@ void refresh(Instance *c, int what) {
 void derivatives(Instance *c, double time, const double *x, double *dx) {
     const double *arguments[] = {&time, x, U(c), P(c), Z(c), c->memory.relations};
     double *results[] = {dx};
-    model_derivatives(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_derivatives, arguments, results);
 }
 
 bool finite_derivatives(Instance *c, double time, const double *dx) {
@@ -127,5 +127,5 @@ void indicators(Instance *c, double *truth, double *indicator) {
     refresh(c, 0);
     const double *arguments[] = {&m->time, X(c), U(c), P(c), Z(c), m->relations};
     double *results[] = {truth, indicator};
-    model_relations(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_relations, arguments, results);
 }

@@ -30,18 +30,19 @@ bool tick_due(const Instance *c) {
 }
 
 /* The next instant of a relation that time alone decides, DBL_MAX without one. */
-static double next_instant(const Instance *c) {
+static double next_instant(Instance *c) {
     double instants[N_INSTANTS + 1], next = DBL_MAX;
+    if (!N_INSTANTS) return next;
     const double *arguments[] = {&c->memory.time, X(c), U(c), P(c), Z(c), c->memory.relations};
     double *results[] = {instants};
-    model_instants(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_instants, arguments, results);
     for (size_t i = 0; i < N_INSTANTS; i++)
         if (instants[i] > c->memory.time) next = fmin(next, instants[i]);
     return next;
 }
 
 /* The next time event, DBL_MAX without one, and how exactly a point of time has to meet it. */
-double next_tick(const Instance *c, double *how_exactly) {
+double next_tick(Instance *c, double *how_exactly) {
     double next = next_instant(c);
     *how_exactly = 0;
     for (size_t i = 0; i < N_CLOCKS; i++)
@@ -64,7 +65,7 @@ static bool start_clocks(Instance *c) {
     Memory *m = &c->memory;
     const double *arguments[] = {&m->time, X(c), U(c), P(c), Z(c), m->relations};
     double *results[] = {m->periods, m->phases};
-    model_clocks(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_clocks, arguments, results);
     for (size_t i = 0; i < N_CLOCKS; i++) {
         if (!(m->periods[i] > 0)) return fail(c, "a sample period is %g s: it must be positive", m->periods[i]);
         m->ticks[i] = fmax(0, ceil(periods(m, i, -tolerance(m, i))));
@@ -80,7 +81,7 @@ static bool pass(Instance *c, const double *flags, bool *settled) {
     indicators(c, truth, indicator);
     const double *arguments[] = {&m->time, X(c), U(c), P(c), Z(c), truth, m->relations, flags};
     double *results[] = {z, x, violated};
-    model_event(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_event, arguments, results);
     for (size_t i = 0; i < N_ASSERTIONS; i++)
         if (violated[i] != 0) return fail(c, "at time %g s: %s", m->time, ASSERTIONS[i]);
     *settled = !memcmp(truth, m->relations, N_RELATIONS * sizeof *truth) &&
@@ -109,7 +110,7 @@ bool handle_event(Instance *c, bool initial) {
 bool run_event(Instance *c, Outcome *outcome) {
     double before[N_STATES + 1], how_exactly;
     *outcome = (Outcome){.next_time = DBL_MAX};
-    if (N_CLOCKS + N_RELATIONS + N_ASSERTIONS == 0) return true;  /* nothing that an event could change */
+    if (N_CLOCKS + N_RELATIONS + N_DISCRETES + N_ASSERTIONS == 0) return true;  /* nothing that an event could change */
     memcpy(before, X(c), N_STATES * sizeof *before);
     if (!handle_event(c, false)) return false;
     outcome->states_changed = memcmp(before, X(c), N_STATES * sizeof *before) != 0;

@@ -34,6 +34,7 @@ typedef struct {
 
 typedef struct {
     Memory memory;
+    double recalled[2 * N_RECALLED + 1];  /* see recall() in model.h: true of any state, so no part of it */
     bool co_simulation;
     char message[512];  /* why the last call failed */
 } Instance;
@@ -50,17 +51,25 @@ typedef struct {
 bool fail(Instance *c, const char *format, ...);
 
 /* Nothing is wrong in these modes; otherwise the message names the one the instance stands in. */
-bool in_mode(Instance *c, int modes);
+bool wrong_mode(Instance *c, int modes);
+static inline bool in_mode(Instance *c, int modes) { return c->memory.mode & modes || wrong_mode(c, modes); }
 
 /* An array of the caller has the length it must have. */
-bool right_count(Instance *c, size_t n, size_t expected, const char *what);
+bool wrong_count(Instance *c, size_t n, size_t expected, const char *what);
+static inline bool right_count(Instance *c, size_t n, size_t expected, const char *what) {
+    return n == expected || wrong_count(c, n, expected, what);
+}
 
 /* What to say of a number that is infinite or none, whose printed form differs from machine to machine. */
 const char *not_finite(double value);
 
 /* evaluate.c */
+static inline void evaluate(Instance *c, ModelFunction *function, const double **arguments, double **results) {
+    function(arguments, results, NULL, c->recalled, 0);
+}
+
 void reset(Instance *c);
-void changed(Instance *c);             /* a value was set */
+void changed(Instance *c, bool parameter);  /* a value was set */
 void set_time(Instance *c, double time);
 void set_states(Instance *c, const double *x);
 void refresh(Instance *c, int what);   /* compute what is stale */
@@ -73,7 +82,11 @@ bool get_values(Instance *c, const unsigned *references, size_t n, Type type, do
 bool get_integer(Instance *c, unsigned reference, Type type, int *value);
 bool set_values(Instance *c, const unsigned *references, size_t n, Type type, const double *values);
 
-bool is_variable(Instance *c, unsigned reference, Type type);
+/* There is a variable of this type behind the reference. */
+bool wrong_reference(Instance *c, unsigned reference, Type type);
+static inline bool is_variable(Instance *c, unsigned reference, Type type) {
+    return (reference <= TIME && VARIABLES[reference].type == type) || wrong_reference(c, reference, type);
+}
 
 /* linearise.c */
 bool directional_derivative(Instance *c, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,
@@ -91,7 +104,7 @@ bool start_events(Instance *c);
 bool handle_event(Instance *c, bool initial);
 bool run_event(Instance *c, Outcome *outcome);
 bool tick_due(const Instance *c);
-double next_tick(const Instance *c, double *tolerance);
+double next_tick(Instance *c, double *tolerance);
 
 /* integrate.c */
 bool step_allowed(Instance *c, double time, double step);

@@ -76,11 +76,11 @@ static void running_tangent(Instance *c, const unsigned *unknowns, size_t n, dou
     const double *arguments[] = ARGUMENTS(c, v + TIME, v + FIRST_STATE, v + FIRST_INPUT);
     if (any_in(unknowns, n, FIRST_DERIVATIVE, FIRST_ALGEBRAIC)) {
         double *results[] = {v + FIRST_DERIVATIVE};
-        model_derivatives_tangent(arguments, results, NULL, NULL, 0);
+        evaluate(c, model_derivatives_tangent, arguments, results);
     }
     if (any_in(unknowns, n, FIRST_ALGEBRAIC, TIME)) {
         double *results[] = {v + FIRST_ALGEBRAIC, v + FIRST_INDICATOR};
-        model_algebraics_tangent(arguments, results, NULL, NULL, 0);
+        evaluate(c, model_algebraics_tangent, arguments, results);
     }
 }
 
@@ -91,7 +91,7 @@ static void start_tangent(Instance *c, double *v) {
                                           seed + FIRST_DISCRETE, seed + FIRST_INPUT);
     double *results[] = {v + FIRST_CALCULATED, v + FIRST_STATE,     v + FIRST_DISCRETE,
                          v + FIRST_DERIVATIVE, v + FIRST_ALGEBRAIC, v + FIRST_INDICATOR};
-    model_start_tangent(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_start_tangent, arguments, results);
 }
 
 /* The transposes of both: from the weights of the unknowns to those of the knowns. */
@@ -99,7 +99,7 @@ static void running_adjoint(Instance *c, double *v) {
     double x[N_STATES + 1];
     const double *arguments[] = ARGUMENTS(c, v + FIRST_DERIVATIVE, v + FIRST_ALGEBRAIC, v + FIRST_INDICATOR);
     double *results[] = {v + TIME, x, v + FIRST_INPUT};
-    model_adjoint(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_adjoint, arguments, results);
     for (size_t i = 0; i < N_STATES; i++) v[FIRST_STATE + i] += x[i];
 }
 
@@ -110,7 +110,7 @@ static void start_adjoint(Instance *c, double *v) {
                                           weight + FIRST_DERIVATIVE, weight + FIRST_ALGEBRAIC,
                                           weight + FIRST_INDICATOR);
     double *results[] = {v + TIME, v + FIRST_PARAMETER, v + FIRST_STATE, v + FIRST_DISCRETE, v + FIRST_INPUT};
-    model_start_adjoint(arguments, results, NULL, NULL, 0);
+    evaluate(c, model_start_adjoint, arguments, results);
 }
 
 bool directional_derivative(Instance *c, const unsigned *unknowns, size_t n_unknowns, const unsigned *knowns,

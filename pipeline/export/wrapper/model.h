@@ -5,6 +5,9 @@
 #ifndef MODEL_H
 #define MODEL_H
 
+#include <stdint.h>
+#include <string.h>
+
 #include "model_counts.h"
 
 /* The values of all variables stand in one array, in this order; a value reference is an index into it. The last one,
@@ -42,7 +45,20 @@ extern const Variable VARIABLES[];
 extern const double NOMINALS[];         /* of the states */
 extern const char *const ASSERTIONS[];  /* the message of each */
 
-typedef int ModelFunction(const double **arguments, double **results, long long *, double *, int);
+typedef int ModelFunction(const double **arguments, double **results, long long *, double *recalled, int);
+
+/* f(x), computed only where x has changed since the last time: an estimator asks for many evaluations that differ in one
+   state or parameter. last: x and f(x) of then, for each place in the equations where a function stands. */
+static inline double recall(double f(double), double x, double *last) {
+    uint64_t now, then;
+    memcpy(&now, &x, sizeof x);
+    memcpy(&then, last, sizeof *last);
+    if (now != then) {
+        last[0] = x;
+        last[1] = f(x);
+    }
+    return last[1];
+}
 
 ModelFunction model_calculated;   /* -> calculated parameters */
 ModelFunction model_start;        /* -> start values of states and of discrete variables */

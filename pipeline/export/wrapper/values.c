@@ -36,8 +36,7 @@ static const char *const WHEN[] = {
 
 static const char *const TYPES[] = {"Real", "Integer", "Boolean"};
 
-bool is_variable(Instance *c, unsigned reference, Type type) {
-    if (reference <= TIME && VARIABLES[reference].type == type) return true;
+bool wrong_reference(Instance *c, unsigned reference, Type type) {
     return fail(c, "value reference %u is no %s variable of %s", reference, TYPES[type], MODEL_NAME);
 }
 
@@ -73,6 +72,7 @@ bool get_integer(Instance *c, unsigned reference, Type type, int *value) {
 }
 
 bool set_values(Instance *c, const unsigned *references, size_t n, Type type, const double *values) {
+    bool parameter = false;
     for (size_t i = 0; i < n; i++) {
         unsigned reference = references[i];
         if (!is_variable(c, reference, type)) return false;
@@ -81,7 +81,10 @@ bool set_values(Instance *c, const unsigned *references, size_t n, Type type, co
             return fail(c, "%s cannot be set now: it is %s", variable->name, WHEN[variable->kind]);
         if (!isfinite(values[i])) return fail(c, "%s cannot be set to what is %s", variable->name, not_finite(values[i]));
     }
-    for (size_t i = 0; i < n; i++) c->memory.values[references[i]] = values[i];
-    changed(c);
+    for (size_t i = 0; i < n; i++) {
+        c->memory.values[references[i]] = values[i];
+        parameter |= references[i] < FIRST_CALCULATED;
+    }
+    changed(c, parameter);
     return true;
 }
