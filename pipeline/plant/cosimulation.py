@@ -9,42 +9,43 @@ from os import PathLike
 import numpy as np
 
 from pipeline.errors import FmuError
-from pipeline.plant.fmu import REAL, Fmu, Instance, open_fmu
+from pipeline.plant.fmu import NOT_FINITE, REAL, Fmu, Instance, open_fmu
 from pipeline.plant.references import References
 
 
 class Port:
     """Some Real variables of a slave, resolved once: `write` sets them, `read` gets them, through one reused buffer."""
 
-    def __init__(self, slave: Slave, instance: Instance, names: Sequence[str]):
+    def __init__(self, slave: Slave, names: Sequence[str]):
         for name in names:
             _check_real(slave.file, name)
-        self._slave, self._instance, self.names = slave, instance, tuple(names)
-        self._variables = References(instance, names)
+        self.slave, self.names = slave, tuple(names)
+        self._variables = References(slave.instance, names)
+        self.references, self.values = self._variables.vr, self._variables.buffer
 
     def write(self, values: np.ndarray) -> None:
         """Set the variables to values (n,); NaN is refused before the FMU sees it."""
-        self._check_finite("is given", np.asarray(values, float))
-        status = self._variables.set(values)
-        if status:
-            self._instance.check(status, self._instance.calls.set.__name__[4:], self._slave.t)
+        self.values[:] = values
+        finite = np.isfinite(self.values).all()
+        self.check(self._variables.set(self.values) if finite else NOT_FINITE, writing=True)
 
     def read(self) -> np.ndarray:
         """The variables' values (n,), a copy; FmuError where one is not finite."""
         status = self._variables.get()
-        if status:
-            self._instance.check(status, self._instance.calls.get.__name__[4:], self._slave.t)
-        self._check_finite("became", self._variables.buffer)
-        return self._variables.buffer.copy()
+        self.check(status or NOT_FINITE * (not np.isfinite(self.values).all()), writing=False)
+        return self.values.copy()
 
-    def _check_finite(self, verb: str, values: np.ndarray) -> None:
-        finite = np.isfinite(values)
-        if not finite.all():
-            k = int(np.argmin(finite))
+    def check(self, status: int, writing: bool) -> None:
+        """Raise FmuError unless the status that writing, or reading, ended with is OK."""
+        if status == NOT_FINITE:
+            k = int(np.argmin(np.isfinite(self.values)))
             raise FmuError(
-                f"{self._slave.file.path.name}: `{self.names[k]}` {verb} {values[k]} at t = {self._slave.t:g} s; "
-                "check start values, parameters and the step"
+                f"{self.slave.file.path.name}: `{self.names[k]}` {'is given' if writing else 'became'} "
+                f"{self.values[k]} at t = {self.slave.t:g} s; check start values, parameters and the step"
             )
+        if status:
+            calls = self.slave.instance.calls
+            self.slave.instance.check(status, (calls.set if writing else calls.get).__name__[4:], self.slave.t)
 
 
 class Slave(AbstractContextManager):
@@ -57,12 +58,12 @@ class Slave(AbstractContextManager):
     def __init__(self, file: Fmu | str | PathLike, start: Mapping[str, float] | None = None, t0: float = 0.0):
         self._owned = None if isinstance(file, Fmu) else open_fmu(file)
         self.file: Fmu = self._owned or file
-        self._instance, self.t = None, t0
+        self.instance, self.t = None, t0
         try:
             for name in start or {}:
                 _check_real(self.file, name)
-            self._instance = Instance(self.file, "CS")
-            self._instance.initialize(dict(start or {}), t0)
+            self.instance = Instance(self.file, "CS")
+            self.instance.initialize(dict(start or {}), t0)
         except BaseException:
             self.close()
             raise
@@ -72,17 +73,21 @@ class Slave(AbstractContextManager):
 
     def port(self, names: Sequence[str]) -> Port:
         """The variables called `names`, to be read or written together."""
-        return Port(self, self._instance, names)
+        return Port(self, names)
 
     def step(self, t: float, dt: float) -> None:
         """Advance from the communication point t to t + dt (s); t = t0 + k·dt keeps errors from piling up."""
         self.t = t
-        self._instance.check(self._instance.calls.do_step(t, dt), "DoStep", t)
+        self.check(self.instance.calls.do_step(t, dt))
         self.t = t + dt
+
+    def check(self, status: int) -> None:
+        """Raise FmuError unless the status of a step from here is OK."""
+        self.instance.check(status, "DoStep", self.t)
 
     def close(self) -> None:
         """Free the instance, and the FMU's folder where the slave opened it; harmless when repeated."""
-        instance, self._instance = self._instance, None
+        instance, self.instance = self.instance, None
         if instance is not None:
             instance.__exit__(None, None, None)
         owned, self._owned = self._owned, None

@@ -24,6 +24,7 @@ import pandas as pd
 from pipeline.errors import ConfigError, DataError
 from pipeline.plant.cosimulation import Slave
 from pipeline.plant.fmu import Fmu
+from pipeline.simulate import coupling
 from pipeline.simulate.sensors import Noise, no_noise
 
 PERIOD_TOLERANCE = 1e-3  # relative, between the reference's samples and the controller's period
@@ -57,40 +58,32 @@ def simulate_closed_loop(
     plant_start: Mapping[str, float] | None = None,
     controller_start: Mapping[str, float] | None = None,
     gain: Sequence[float] | None = None,
+    engine: str = "python",
 ) -> pd.DataFrame:
     """Run the loop over a reference and return the measured frame with the truth beside it.
 
     reference: index `time` s in steps of `period` (s), columns qr_i, and qdr_i, pulse_i where the controller has such
     inputs (a pulse that is absent is 0). start values: by variable name. gain (n,): tau = gain·u (default 1).
+    engine: "compiled", or any other for Python; they give the same bits.
     The frame: q_i, u_i, tau_i as measured; the reference's columns; q_true_i, qd_true_i, tau_true_i.
     Raises FmuError for a simulation that fails, DataError or ConfigError for a reference that does not fit.
     """
-    n, dt, N = len(ports.plant_input), period, len(reference)
+    n, N = len(ports.plant_input), len(reference)
     noise = noise or no_noise(N, n)
     if len(noise.position) < N:
         raise ConfigError(f"noise: {len(noise.position)} samples for a reference of {N}; draw at least as many")
     t = _instants(reference, period)
     inputs = controller_inputs(ports, reference)
     in_loop = float(noise.loop == "disturbed")
-    state, q, u = np.empty((N, 2 * n)), np.empty((N, n)), np.empty((N, n))
-    drive_noise = in_loop * noise.input
-    with Slave(plant, plant_start, t[0]) as robot, Slave(controller, controller_start, t[0]) as pd_law:
+    with Slave(plant, plant_start, t[0]) as robot, Slave(controller, controller_start, t[0]) as law:
         states = robot.port([*ports.plant_position, *ports.plant_velocity])
-        drive = robot.port(ports.plant_input)
-        sensed = pd_law.port([*ports.reference, *ports.reference_velocity, *ports.extra, *ports.position])
-        output = pd_law.port(ports.output)
-        for k in range(N):
-            state[k] = states.read()
-            q[k] = noise.measured(state[k, :n], k)
-            sensed.write(np.concatenate([inputs[k], q[k] if in_loop else state[k, :n]]))
-            pd_law.step(t[k], dt)
-            u[k] = output.read()
-            drive.write(u[k] + drive_noise[k])
-            robot.step(t[k], dt)
+        sensed = law.port([*ports.reference, *ports.reference_velocity, *ports.extra, *ports.position])
+        output, drive = law.port(ports.output), robot.port(ports.plant_input)
+        state, q, u = _coupling(engine).couple(states, sensed, output, drive, t, period, inputs, noise)
     gain = np.ones(n) if gain is None else np.asarray(gain, float)
     measured_u = u + (1.0 - in_loop) * noise.input[:N]
     columns = {"q": q, "u": measured_u, "tau": gain * measured_u}
-    truth = {"q_true": state[:, :n], "qd_true": state[:, n:], "tau_true": gain * (u + drive_noise[:N])}
+    truth = {"q_true": state[:, :n], "qd_true": state[:, n:], "tau_true": gain * (u + in_loop * noise.input[:N])}
     return pd.concat([_frame(columns, reference.index), reference, _frame(truth, reference.index)], axis=1)
 
 
@@ -102,6 +95,7 @@ def simulate_closed_loop_fmu(
     reference: pd.DataFrame,
     period: float,
     start: Mapping[str, float] | None = None,
+    engine: str = "python",
 ) -> pd.DataFrame:
     """Run a closed loop that is one FMU, sampled at the same instants as `simulate_closed_loop`.
 
@@ -110,15 +104,19 @@ def simulate_closed_loop_fmu(
     """
     t = _instants(reference, period)
     values = reference[list(inputs)].to_numpy(float)
-    before, after = np.empty((len(t), len(sampled))), np.empty((len(t), len(held)))
     with Slave(loop, start, t[0]) as slave:
-        inlet, at_instant, over_step = (slave.port([*names.values()]) for names in (inputs, sampled, held))
-        for k, instant in enumerate(t):
-            before[k] = at_instant.read()
-            inlet.write(values[k])
-            slave.step(instant, period)
-            after[k] = over_step.read()
-    return pd.DataFrame(np.hstack([before, after]), index=reference.index, columns=[*sampled, *held])
+        before, inlet, after = (slave.port([*names.values()]) for names in (sampled, inputs, held))
+        found = _coupling(engine).follow(before, inlet, after, t, period, values)
+    return pd.DataFrame(np.hstack(found), index=reference.index, columns=[*sampled, *held])
+
+
+def _coupling(engine: str):
+    """The module that couples slaves: on kernels, or in Python."""
+    if engine == "compiled":
+        from pipeline.simulate import coupling_compiled  # numba is slow to import
+
+        return coupling_compiled
+    return coupling
 
 
 def controller_inputs(ports: LoopPorts, reference: pd.DataFrame) -> np.ndarray:

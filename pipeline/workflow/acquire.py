@@ -15,6 +15,7 @@ from pipeline.simulate.closed_loop import LoopPorts, simulate_closed_loop
 from pipeline.simulate.measured import FRAME_COLUMN, ColumnSettings, read_measured, with_force
 from pipeline.simulate.sensors import draw_noise
 from pipeline.simulate.trajectory import Limits, check_limits, read_waypoints, reference_frame, sample
+from pipeline.workflow.engine import engine_of
 from pipeline.workflow.session import Session
 
 MIN_SAMPLES = 200
@@ -80,6 +81,7 @@ def run_loop(session: Session, reference: pd.DataFrame, chi: np.ndarray, noise=N
         plant_start,
         controller_start,
         binding.gain,
+        engine_of(session),
     )
 
 

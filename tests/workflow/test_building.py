@@ -30,7 +30,7 @@ def test_two_runs_at_once_build_once_and_a_third_not_at_all(tmp_path):
     assert [code for code, _ in ends] == [0, 0]
     assert sum(said.count("built emps.fmu") for _, said in ends) == 1
     (folder,) = (p for p in tmp_path.iterdir() if p.is_dir())
-    assert sorted(p.name for p in folder.iterdir()) == ["emps.fmu", "emps_controller.fmu"]
+    assert sorted(p.name for p in folder.iterdir()) == ["emps.fmu", "emps_controller.fmu", "kernels"]
     assert told(start(tmp_path, tmp_path / "3.csv")) == (0, "")
     assert (tmp_path / "1.csv").read_bytes() == (tmp_path / "3.csv").read_bytes()
 
