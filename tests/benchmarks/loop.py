@@ -17,46 +17,60 @@ from pipeline.workflow.acquire import ports_of
 from tests.benchmarks.figure import Figure, at_most, information
 from tests.benchmarks.fmpy_api import instance, unpacked, user_loop
 from tests.benchmarks.record import session
-from tests.benchmarks.turns import Spread, in_turn, ratio
+from tests.benchmarks.turns import in_turn, ratio
 
 DURATION, PERIOD, ROUNDS = 30.0, 0.01, 9
-INTERNAL_STEP = {"internalStep": 1e-3}
-"""10 sub-steps a sample, as many as the filter by Co-Simulation takes; the FMUs' own would be 40."""
+SUBSTEPS = {"10 sub-steps": 1e-3, "1 sub-step": 1e-2, "40 sub-steps, as built": 2.5e-4}
+"""internalStep by what it makes of a sample; 10 are as many as the filter takes by Co-Simulation: these are asked."""
 
 
 def measure() -> Iterator[Figure]:
-    """The ratio, once both loops give the same motion."""
-    with loops(INTERNAL_STEP) as (ours, users):
-        same = at_most("closed loop − fmpy's API", float(np.max(np.abs(ours() - users()))), "rad, rad/s, N.m", 1e-12)
-        yield same
-        if not same.held:
-            return
-        name = "30 s closed loop of two FMUs ÷ a loop over fmpy's API"
-        yield at_most(name, _ratio(ours, users), "loop over fmpy's API", 1 / 20)
-    with loops({}) as (ours, users):
-        yield information(f"{name}, internalStep as built", _ratio(ours, users), "loop over fmpy's API")
+    """The ratios, once both loops give the same motion; the start of two FMUs, fmpy's in both, is taken off."""
+    for name, step in SUBSTEPS.items():
+        with loops(step) as (ours, users):
+            same = at_most(f"closed loop, {name} − fmpy's API", _apart(ours, users), "rad, rad/s, N.m", 1e-12)
+            yield same
+            if same.held:
+                yield from _ratios(name, ours, users)
 
 
-def _ratio(ours: Callable, users: Callable) -> Spread:
-    return ratio(in_turn({"ours": ours, "API": users}, ROUNDS), "ours", "API")
+def _ratios(name: str, ours: Callable, users: Callable) -> Iterator[Figure]:
+    whole = round(DURATION / PERIOD)
+    jobs = {f"{who} {N}": partial(loop, N) for N in (2, whole) for who, loop in (("ours", ours), ("API", users))}
+    times = in_turn(jobs, ROUNDS)
+    loop = {who: times[f"{who} {whole}"] - times[f"{who} 2"] for who in ("ours", "API")}
+    title, found = f"30 s closed loop, {name} ÷ fmpy's API", ratio(loop, "ours", "API")
+    asked = SUBSTEPS[name] == 1e-3
+    yield (
+        at_most(title, found, "loop over fmpy's API", 1 / 20)
+        if asked
+        else information(title, found, "loop over fmpy's API")
+    )
+    yield information(
+        f"{title}, starts included", ratio(times, f"ours {whole}", f"API {whole}"), "loop over fmpy's API"
+    )
+
+
+def _apart(ours: Callable, users: Callable) -> float:
+    N = round(DURATION / PERIOD)
+    return float(np.max(np.abs(ours(N) - users(N))))
 
 
 @contextmanager
-def loops(settings: dict[str, float]) -> Iterator[tuple[Callable[[], np.ndarray], Callable[[], np.ndarray]]]:
-    """Both loops on unpacked FMUs, each from instantiation to the motion: q, qd, u (N, 6)."""
+def loops(step: float) -> Iterator[tuple[Callable[[int], np.ndarray], Callable[[int], np.ndarray]]]:
+    """Both loops on unpacked FMUs over N samples, from instantiation to the motion: q, qd, u (N, 6)."""
     s, ports, frame = session(), ports_of(session()), reference()
-    plant = {**s.binding.start_values(), **s.binding.filter, **settings}
+    plant = {**s.binding.start_values(), **s.binding.filter, "internalStep": step}
     controller, inputs, t = dict(s.experiment.controller.start), controller_inputs(ports, frame), frame.index.to_numpy()
 
-    def ours(plant_file, controller_file) -> np.ndarray:
-        found = simulate_closed_loop(
-            plant_file, controller_file, ports, frame, PERIOD, plant_start=plant, controller_start=controller
-        )
+    def ours(plant_file, controller_file, N: int) -> np.ndarray:
+        starts = {"plant_start": plant, "controller_start": controller}
+        found = simulate_closed_loop(plant_file, controller_file, ports, frame[:N], PERIOD, **starts, engine="compiled")
         return found[[c for name in ("q_true", "qd_true", "u") for c in joint_columns(name, 2)]].to_numpy()
 
-    def users(plant_file, controller_file) -> np.ndarray:
+    def users(plant_file, controller_file, N: int) -> np.ndarray:
         with instance(FMU2Slave, *plant_file, plant) as robot, instance(FMU2Slave, *controller_file, controller) as law:
-            return user_loop(robot, law, ports, inputs, t, PERIOD)
+            return user_loop(robot, law, ports, inputs, t[:N], PERIOD)
 
     paths = s.binding.path, s.controller_fmu
     with open_fmu(paths[0]) as a, open_fmu(paths[1]) as b, unpacked(paths[0]) as c, unpacked(paths[1]) as d:
