@@ -96,7 +96,8 @@ class CompiledPlant:
         points.set(N=N, sets=len(chi))
         points.put(q=_doubles(q), qd=_doubles(qd), qdd=_doubles(qdd), chi=chi, own=own.astype(np.int64))
         points.put(step=step, force=self.binding.gain * step, tau=np.empty((len(chi), N, n)))
-        points.room(X=(N, len(self.memory["x"])), u=n, still=n, free=(N, n), pushed=(N, n), J=(2, N, n, n), A=(n, n))
+        points.room(X=(N, len(self.memory["x"])), free=(N, n), J=(2, N, n, n), A=(n, n))
+        points.room(u=n, still=n, pushed=n)
         how = torques(self.memory.record, points.record)
         self.check(how == PLANT_FAILED, 0.0)
         if how == SINGULAR:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from pipeline.plant.fmi_kernel import DERIVATIVES, failed, get_derivatives, set_states
+from pipeline.plant.fmi_kernel import DERIVATIVES, INPUTS, failed, get_derivatives, set_states, set_values
 from pipeline.plant.fmu import NOT_FINITE
 from pipeline.plant.kernel import array_at, integers_at, kernel, matrix_at
 from pipeline.plant.transition_kernel import prepare
@@ -21,7 +21,7 @@ POINTS = [
         "step", "force",
         # what is found: tau (sets, N, n)
         "tau",
-        # room: X (N, nx), u and still (n,), free and pushed (N, n), J (2, N, n, n), A (n, n)
+        # room: X (N, nx), free (N, n), J (2, N, n, n), A (n, n), u, still and pushed (n,)
         "X", "u", "still", "free", "pushed", "J", "A",
     )
 ]  # fmt: skip
@@ -42,41 +42,68 @@ def place(m, q, qd, N, X):
 
 
 @kernel
-def accelerate(m, X, N, u, chi, qdd):
-    """qdd (N, n) at the points X, all with the input u (n,) and the parameters chi (p,)."""
-    n, order, s = m.n, integers_at(m.order, m.ns), array_at(m.stage, m.ns)
-    first, dx, found = array_at(X, m.nx), array_at(m.dx, m.nx), matrix_at(qdd, N, n)
+def begin(m, X, u, chi):
+    """Set the input u (n,) and the parameters chi (p,), at the first of the points X."""
+    s, first, order = array_at(m.stage, m.ns), array_at(X, m.nx), integers_at(m.order, m.ns)
     for i in range(m.ns):
         s[i] = first[order[i]]
-    if prepare(m, m.stage, u, chi, 0.0):
+    return prepare(m, m.stage, u, chi, 0.0)
+
+
+@kernel
+def derive(m, qdd):
+    """qdd (n,) where the FMU stands."""
+    m.evaluations += 1
+    if get_derivatives(m, m.dx, m.nx):
         return True
-    m.evaluations += N
+    order, dx, found, total = integers_at(m.order, m.ns), array_at(m.dx, m.nx), array_at(qdd, m.n), 0.0
+    for i in range(m.n):
+        found[i] = dx[order[i]]
+        total += found[i]
+    return False if isfinite(total) else failed(m, DERIVATIVES, NOT_FINITE)
+
+
+@kernel
+def accelerate(m, X, N, u, chi, qdd):
+    """qdd (N, n) at the points X, all with the input u (n,) and the parameters chi (p,)."""
+    if begin(m, X, u, chi):
+        return True
     for g in range(N):
-        if set_states(m, X + 8 * g * m.nx, m.nx) or get_derivatives(m, m.dx, m.nx):
+        if set_states(m, X + 8 * g * m.nx, m.nx) or derive(m, qdd + 8 * g * m.n):
             return True
-        total = 0.0
-        for i in range(n):
-            found[g, i] = dx[order[i]]
-            total += found[g, i]
-        if not isfinite(total):
-            return failed(m, DERIVATIVES, NOT_FINITE)
     return False
 
 
 @kernel
+def push(m, u):
+    """Set the input u (n,), the parameters that are fed with it staying as they are."""
+    inputs, wanted = array_at(m.inputs, m.n_inputs), array_at(u, m.n)
+    for i in range(m.n):
+        inputs[i] = wanted[i]
+    return set_values(m, INPUTS, m.input_vr, m.n_inputs, m.inputs)
+
+
+@kernel
 def respond(m, w, chi, J):
-    """J (N, n, n) = ∂qdd/∂tau: column j is what the input step[j] alone adds to w.free. Whether the plant failed."""
+    """w.free (N, n) = qdd without a force, J (N, n, n) = ∂qdd/∂tau: column j is what the input step[j] alone adds.
+
+    Point by point: an FMU may keep what follows from its states alone.
+    """
     n, N = m.n, w.N
     step, force, u = array_at(w.step, n), array_at(w.force, n), array_at(w.u, n)
-    free, pushed, J = matrix_at(w.free, N, n), matrix_at(w.pushed, N, n), matrix_at(J, N, n * n)
-    for j in range(n):
-        for i in range(n):
-            u[i] = step[i] if i == j else 0.0
-        if accelerate(m, w.X, N, w.u, chi, w.pushed):
+    pushed, free, J = array_at(w.pushed, n), matrix_at(w.free, N, n), matrix_at(J, N, n * n)
+    if begin(m, w.X, w.still, chi):
+        return True
+    for g in range(N):
+        if set_states(m, w.X + 8 * g * m.nx, m.nx) or push(m, w.still) or derive(m, w.free + 8 * g * n):
             return True
-        for g in range(N):
+        for j in range(n):
+            u[j] = step[j]
+            if push(m, w.u) or derive(m, w.pushed):
+                return True
+            u[j] = 0.0
             for i in range(n):
-                J[g, i * n + j] = (pushed[g, i] - free[g, i]) / force[j]
+                J[g, i * n + j] = (pushed[i] - free[g, i]) / force[j]
     return False
 
 
@@ -133,9 +160,7 @@ def torques(plant, points):
     own = integers_at(w.own, w.sets)
     for c in range(w.sets):
         chi, J = w.chi + 8 * c * m.p, w.J + 8 * w.N * m.n * m.n * (c > 0 and own[c])
-        if accelerate(m, w.X, w.N, w.still, chi, w.free):
-            return PLANT_FAILED
-        if own[c] and respond(m, w, chi, J):
+        if respond(m, w, chi, J) if own[c] else accelerate(m, w.X, w.N, w.still, chi, w.free):
             return PLANT_FAILED
         if not _balance(m, w, J, w.tau + 8 * c * w.N * m.n):
             return SINGULAR
