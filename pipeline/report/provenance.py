@@ -165,6 +165,7 @@ def origin(run: Run) -> Html:
         ("Commit", f"{commit or 'unknown'}{' with uncommitted changes' if source.get('dirty') else ''}"),
         ("Seed", str(source.get("seed", experiment.get("seed", DASH)))),
         ("Data", experiment.get("kind") or DASH),
+        ("Engine of regressor and loop", source.get("engine") or DASH),
         ("Compared with", run.reference.get("source") or DASH),
         *(
             (f"Plant: {k.replace('_', ' ')}", short(v) if isinstance(v, float) else str(v))

@@ -267,6 +267,7 @@ def _record(name, title, kind, joints, estimates, position="rad", force="N.m"):
             "python": "3.11.7",
             "platform": "Linux",
             "seed": 1,
+            "engine": "compiled",
             "fmus": {name: {"sha256": "c0ffee" * 10, "guid": "{1234}"}},
         },
         "errors": [],

@@ -5,9 +5,11 @@ from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pipeline.plant.compiled import CompiledPlant
+from pipeline.simulate import coupling_compiled
 from pipeline.workflow.acquire import simulate
 from pipeline.workflow.batch import open_inverse_model, run_variant
 from pipeline.workflow.differentiating import points_of
@@ -113,3 +115,12 @@ def test_of_regressor_and_closed_loop_it_is_said_once():
     with patch("pipeline.workflow.engine.unavailable", lambda: "numba cannot be imported: gone"):
         assert engine_of(session) == engine_of(replace(session)) == "python"
     assert lines == ["  regressor and closed loop: Python (numba cannot be imported: gone)"]
+
+
+def test_the_loop_is_simulated_by_the_sessions_engine(fmus):
+    with patch.object(coupling_compiled, "couple", wraps=coupling_compiled.couple) as kernel:
+        python = simulate(session_of(1, "engine='python'"))
+        assert not kernel.called
+        compiled = simulate(session_of())
+        assert kernel.called
+    pd.testing.assert_frame_equal(compiled, python, check_exact=True)
