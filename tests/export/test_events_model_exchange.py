@@ -135,3 +135,13 @@ def test_the_hysteresis_follows_the_nominal_value(tmp_path):
     )
     with archive_of(tmp_path, text, fmi="3").model_exchange() as instance:
         assert instance.get("'event indicator 1'") == pytest.approx([-1e-18], rel=1e-12, abs=0)
+
+
+def test_a_discrete_variable_without_relations_follows_a_parameter_at_an_event(tmp_path):
+    text = (
+        "model M parameter Real p=1; Integer k=integer(2*p); Real x(start=0, fixed=true); equation der(x) = k; end M;"
+    )
+    with archive_of(tmp_path, text).model_exchange() as instance:
+        before = instance.rhs(0.0, [0.0])
+        instance.event(p=2.0)
+        assert [*before, *instance.rhs(0.0, [0.0])] == [2.0, 4.0]
