@@ -8,7 +8,7 @@ from pipeline.errors import FmuError
 from pipeline.identify import udu
 from pipeline.identify.covariance_forms import P_LOST
 from pipeline.identify.ekf import MASS_LOST, NOT_A_NUMBER, Tuning
-from pipeline.identify.ekf_kernel import FILTER, NO_MASS, NOT_FINITE, NOT_POSITIVE, PLANT_FAILED, run
+from pipeline.identify.ekf_kernel import NO_MASS, NOT_FINITE, NOT_POSITIVE, PLANT_FAILED, filter_fields, run
 from pipeline.plant.compiled import MODES, CompiledPlant
 from pipeline.plant.memory import Memory
 from pipeline.plant.steps import EPSILON
@@ -48,18 +48,15 @@ def run_compiled(
 
 
 def _memory(plant: CompiledPlant, time, q, u, z0, tuning: Tuning, jacobian: str) -> Memory:
-    """The kernel's record, all arrays in it but those of the covariance."""
+    """The kernel's record, all in it but the covariance."""
     n, ns, nx, N, nq = plant.n, plant.ns, len(z0), len(time), len(tuning.q)
     mode, central = MODES[jacobian]
-    memory = Memory(FILTER)
-    memory.set(n=n, ns=ns, p=nx - ns, nq=nq, input_noise=tuning.input_noise, mode=mode, central=central)
-    memory.set(epsilon=EPSILON["central" if central else "forward"])
-    memory.put(time=np.array(time, float), q=np.array(q, float), u=np.array(u, float), z=np.array(z0, float))
-    memory.put(gain=plant.binding.gain, R=np.array(tuning.R, float), noise=np.array(tuning.q, float))
-    memory.put(G=np.eye(ns, nq))
-    memory.room(x=(N, nx), P_diag=(N, nx), innovation=(N, n), S_diag=(N, n), NIS=N)
-    memory.room(f=ns, J=(nx + n, ns), T=(ns, nx), W=(ns + nq, ns), weight=ns + nq)
-    memory.room(S=(n, n), L=(n, n), K=nx, Ph=nx, M=(nx, nx), v=n)
+    memory = Memory(filter_fields(n, ns, nx - ns, nq))
+    memory.set(input_noise=tuning.input_noise, mode=mode, central=central)
+    memory.set(epsilon=EPSILON["central" if central else "forward"], z=z0, R=tuning.R, noise=tuning.q, G=np.eye(ns, nq))
+    memory.refer(time=np.array(time, float), q=np.array(q, float), u=np.array(u, float))
+    memory.refer(x=np.zeros((N, nx)), P_diag=np.zeros((N, nx)), NIS=np.zeros(N))
+    memory.refer(innovation=np.zeros((N, n)), S_diag=np.zeros((N, n)))
     return memory
 
 
@@ -68,10 +65,10 @@ def _start(memory: Memory, P0: np.ndarray, covariance: str) -> None:
     memory.set(udu=covariance == "udu")
     if covariance == "udu":
         U, d = udu.factor(P0)
-        memory.put(P=U.T, d=d)
+        memory.set(P=U.T, d=d)
     else:
-        memory.put(P=P0.copy(), d=np.zeros(len(P0)))
+        memory.set(P=P0)
 
 
 def _covariance(memory: Memory) -> np.ndarray:
-    return udu.covariance(memory["P"].T, memory["d"]) if memory.number("udu") else memory["P"]
+    return udu.covariance(memory["P"].T, memory["d"]) if memory["udu"] else memory["P"].copy()

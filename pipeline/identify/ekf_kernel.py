@@ -1,30 +1,36 @@
 """The extended Kalman filter over a record, compiled: the structure F = [A B; 0 I] used, the plant by its kernels.
 
-The same filter as `ekf.py`, with both forms of the covariance; all arrays by address, in a record.
+The same filter as `ekf.py`, with both forms of the covariance. The arrays of the filter's record have the plant's own
+sizes, which are constants of the machine code; what grows with the samples stands at an address.
 """
 
 from __future__ import annotations
 
 from math import isfinite, sqrt
 
-from pipeline.plant.kernel import array_at, kernel, matrix_at
+from pipeline.plant.kernel import array_at, kernel
 from pipeline.plant.transition_kernel import linearise
 
-FILTER = [
-    *((name, "i8") for name in (
-        "n", "ns", "p", "nq", "udu", "input_noise", "mode", "central",
-        # the record: time (N,), q and u (N, n), gain and R (n,), variances of the process noise (nq,)
-        "time", "q", "u", "gain", "R", "noise",
-        # what goes from sample to sample: z (nx,), and P (nx, nx) or its factors U (nx, nx) and d (nx,)
-        "z", "P", "d",
-        # what is found: (N, nx), (N, nx), (N, n), (N, n), (N,)
-        "x", "P_diag", "innovation", "S_diag", "NIS",
-        # room to work in, shapes in ekf_compiled.py
-        "f", "J", "G", "T", "W", "weight", "S", "L", "K", "Ph", "M", "v",
-    )),
-    ("epsilon", "f8"),
-]  # fmt: skip
-"""Fields of the record of a filter."""
+
+def filter_fields(n: int, ns: int, p: int, nq: int) -> list[tuple]:
+    """Fields of the record of a filter: n measured positions, ns states, p parameters, nq variances of process noise.
+
+    Of the data time (N,), q, u (N, n); of the result x, P_diag (N, nx), innovation, S_diag (N, n), NIS (N,). From
+    sample to sample: z (nx,) and P (nx, nx), or its factors Uᵀ, as P, and d. The rest is room to work in.
+    """
+    nx = ns + p
+    addresses = ("time", "q", "u", "x", "P_diag", "innovation", "S_diag", "NIS")
+    arrays = {
+        "R": (n,), "noise": (nq,), "z": (nx,), "P": (nx, nx), "d": (nx,), "G": (ns, nq), "T": (ns, nx), "FU": (nx, ns),
+        "W": (ns + nq, ns), "weight": (ns + nq,), "S": (n, n), "L": (n, n), "K": (nx,), "Ph": (nx,), "M": (nx, nx),
+        "v": (n,),
+    }  # fmt: skip
+    return [
+        *((name, "i8") for name in ("udu", "input_noise", "mode", "central", *addresses)),
+        ("epsilon", "f8"),
+        *((name, "f8", shape) for name, shape in arrays.items()),
+    ]
+
 
 DONE, PLANT_FAILED, NO_MASS, NOT_FINITE, NOT_POSITIVE = range(5)
 """What a run ends with."""
@@ -34,47 +40,44 @@ TINY = 1e-150
 
 
 @kernel
-def cholesky(S, L, n):
-    """S = L Lᵀ (n, n): whether S is positive definite."""
-    for i in range(n):
+def cholesky(S, L):
+    """S = L Lᵀ: whether S is positive definite."""
+    for i in range(S.shape[0]):
         for j in range(i + 1):
             value = S[i, j]
             for k in range(j):
                 value -= L[i, k] * L[j, k]
-            if i == j:
-                if not value > 0.0:
-                    return False
+            if i != j:
+                L[i, j] = value / L[j, j]
+            elif value > 0.0:
                 L[i, i] = sqrt(value)
             else:
-                L[i, j] = value / L[j, j]
+                return False
     return True
 
 
 @kernel
-def _process_noise(w):
+def _process_noise(m, w):
     """G (ns, nq) by J's rows of u, where the noise is on the forces; whether a force pushes its own way.
 
     ∂qd⁺/∂tau (n, n) ≈ M⁻¹ dt must be positive: the FMU rejects no parameter that a filter may ask for.
     """
-    n, ns, nx = w.n, w.ns, w.ns + w.p
-    J, gain = matrix_at(w.J, nx + n, ns), array_at(w.gain, n)
-    S, G = matrix_at(w.S, n, n), matrix_at(w.G, ns, w.nq)
+    n, nx, J, gain, S = w.R.shape[0], w.z.shape[0], m.J, m.gain, w.S
     for j in range(n):
         for i in range(n):
             S[i, j] = J[nx + j, i] / gain[j] + J[nx + i, j] / gain[i]
     if w.input_noise:
         for j in range(n):
-            for i in range(ns):
-                G[i, j] = J[nx + j, i] / gain[j]
-    return cholesky(S, matrix_at(w.L, n, n), n)
+            for i in range(w.G.shape[0]):
+                w.G[i, j] = J[nx + j, i] / gain[j]
+    return cholesky(S, w.L)
 
 
 @kernel
-def _predict_joseph(w):
+def _predict_joseph(m, w):
     """P ← F P Fᵀ + G diag(q) Gᵀ; of P only the rows and columns of the states change."""
-    ns, nx = w.ns, w.ns + w.p
-    P, J, T = matrix_at(w.P, nx, nx), matrix_at(w.J, nx + w.n, ns), matrix_at(w.T, ns, nx)
-    G, noise = matrix_at(w.G, ns, w.nq), array_at(w.noise, w.nq)
+    P, J, T, G, noise = w.P, m.J, w.T, w.G, w.noise
+    ns, nx = T.shape
     for i in range(ns):  # T = [A B] P
         for k in range(nx):
             T[i, k] = 0.0
@@ -85,61 +88,54 @@ def _predict_joseph(w):
                     T[i, k] += a * P[j, k]
     for i in range(ns):
         for j in range(i + 1):
-            P[i, j] = 0.0
-        for k in range(nx):
-            for j in range(i + 1):
-                P[i, j] += T[i, k] * J[k, j]
-        for k in range(w.nq):
-            a = G[i, k] * noise[k]
-            for j in range(i + 1):
-                P[i, j] += a * G[j, k]
+            value = 0.0
+            for k in range(nx):
+                value += T[i, k] * J[k, j]
+            for k in range(noise.shape[0]):
+                value += G[i, k] * noise[k] * G[j, k]
+            P[i, j] = P[j, i] = value
         for k in range(ns, nx):
             P[i, k] = P[k, i] = T[i, k]
-    for i in range(ns):
-        for j in range(i):
-            P[j, i] = P[i, j]
 
 
 @kernel
-def _predict_udu(w):
+def _predict_udu(m, w):
     """The factors of F P Fᵀ + G diag(q) Gᵀ by Thornton's Gram–Schmidt, which leaves those of the parameters alone.
 
     F U = [A Us, A Usp + B Up; 0, Up]: the last columns are those of the new U as they are, and the rows of the states
     are made orthogonal over what is left, W = [A Us, G]. U and W stand transposed.
     """
-    ns, nx, nq = w.ns, w.ns + w.p, w.nq
-    U, d, J, T = matrix_at(w.P, nx, nx), array_at(w.d, nx), matrix_at(w.J, nx + w.n, ns), matrix_at(w.T, nx, ns)
-    for k in range(nx):  # T = (F U)ᵀ, for the rows of the states
+    U, d, J, FU, W, weight, G = w.P, w.d, m.J, w.FU, w.W, w.weight, w.G
+    nx, ns = FU.shape
+    for k in range(nx):
         for i in range(ns):
-            T[k, i] = 0.0
+            FU[k, i] = 0.0
         for j in range(k + 1):
             a = U[k, j]
             for i in range(ns):
-                T[k, i] += a * J[j, i]
+                FU[k, i] += a * J[j, i]
     for k in range(ns, nx):
         for i in range(ns):
-            U[k, i] = T[k, i]
-    G, W, weight = matrix_at(w.G, ns, nq), matrix_at(w.W, ns + nq, ns), array_at(w.weight, ns + nq)
-    noise = array_at(w.noise, nq)
+            U[k, i] = FU[k, i]
     for i in range(ns):
         weight[i] = d[i]
         for k in range(ns):
-            W[k, i] = T[k, i]
-        for k in range(nq):
+            W[k, i] = FU[k, i]
+        for k in range(G.shape[1]):
             W[ns + k, i] = G[i, k]
-    for k in range(nq):
-        weight[ns + k] = noise[k]
+    for k in range(G.shape[1]):
+        weight[ns + k] = w.noise[k]
     for j in range(ns - 1, -1, -1):
-        _orthogonal(w, U, W, weight, d, j)
+        _orthogonal(U, W, weight, d, j)
 
 
 @kernel
-def _orthogonal(w, U, W, weight, d, j):
+def _orthogonal(U, W, weight, d, j):
     """d[j] and column j of U; what the rows of W above j have of row j is taken off."""
     d[j] = 0.0
     for i in range(j):
         U[j, i] = 0.0
-    for k in range(w.ns + w.nq):
+    for k in range(W.shape[0]):
         v = weight[k] * W[k, j]
         d[j] += W[k, j] * v
         for i in range(j):
@@ -150,7 +146,7 @@ def _orthogonal(w, U, W, weight, d, j):
         return
     for i in range(j):
         U[j, i] /= d[j]
-    for k in range(w.ns + w.nq):
+    for k in range(W.shape[0]):
         for i in range(j):
             W[k, i] -= U[j, i] * W[k, j]
 
@@ -158,11 +154,10 @@ def _orthogonal(w, U, W, weight, d, j):
 @kernel
 def _innovate(w, k):
     """The innovation of sample k from S; NIS = rᵀ S⁻¹ r. Whether S is positive definite."""
-    n, ns = w.n, w.ns
-    S, L, v, z = matrix_at(w.S, n, n), matrix_at(w.L, n, n), array_at(w.v, n), array_at(w.z, ns)
+    S, L, v, z, n = w.S, w.L, w.v, w.z, w.R.shape[0]
     q, found = array_at(w.q + 8 * k * n, n), array_at(w.innovation + 8 * k * n, n)
     S_diag, NIS = array_at(w.S_diag + 8 * k * n, n), 0.0
-    if not cholesky(S, L, n):
+    if not cholesky(S, L):
         return False
     for i in range(n):
         found[i], S_diag[i] = q[i] - z[n + i], S[i, i]
@@ -178,9 +173,9 @@ def _innovate(w, k):
 @kernel
 def _update_joseph(w, k):
     """P ← (I − K h) P (I − K h)ᵀ + K r Kᵀ and z with it, for one position after the other."""
-    n, nx = w.n, w.ns + w.p
-    P, S, R, M = matrix_at(w.P, nx, nx), matrix_at(w.S, n, n), array_at(w.R, n), matrix_at(w.M, nx, nx)
-    K, Ph, z, q = array_at(w.K, nx), array_at(w.Ph, nx), array_at(w.z, nx), array_at(w.q + 8 * k * n, n)
+    P, S, R, M, K, Ph, z = w.P, w.S, w.R, w.M, w.K, w.Ph, w.z
+    n, nx = R.shape[0], z.shape[0]
+    q = array_at(w.q + 8 * k * n, n)
     for i in range(n):
         for j in range(n):
             S[i, j] = P[n + i, n + j]
@@ -214,15 +209,15 @@ def _update_joseph(w, k):
 @kernel
 def _update_udu(w, k):
     """Bierman's update by one position after the other, and z with it. U stands transposed."""
-    n, nx = w.n, w.ns + w.p
-    U, d, R, S = matrix_at(w.P, nx, nx), array_at(w.d, nx), array_at(w.R, n), matrix_at(w.S, n, n)
-    z, q, b = array_at(w.z, nx), array_at(w.q + 8 * k * n, n), array_at(w.K, nx)
+    U, d, R, S, z, b = w.P, w.d, w.R, w.S, w.z, w.K
+    n, nx = R.shape[0], z.shape[0]
+    q = array_at(w.q + 8 * k * n, n)
     for i in range(n):
         for j in range(i + 1):
-            S[i, j] = 0.0
+            value = 0.0
             for a in range(n + i, nx):
-                S[i, j] += U[a, n + i] * d[a] * U[a, n + j]
-            S[j, i] = S[i, j]
+                value += U[a, n + i] * d[a] * U[a, n + j]
+            S[i, j] = S[j, i] = value
         S[i, i] += R[i]
     if not _innovate(w, k):
         return False
@@ -248,8 +243,7 @@ def _update_udu(w, k):
 @kernel
 def _note(w, k):
     """Sample k's estimate and the diagonal of its covariance; whether both are finite."""
-    nx = w.ns + w.p
-    z, P, d = array_at(w.z, nx), matrix_at(w.P, nx, nx), array_at(w.d, nx)
+    z, P, d, nx = w.z, w.P, w.d, w.z.shape[0]
     x, P_diag = array_at(w.x + 8 * k * nx, nx), array_at(w.P_diag + 8 * k * nx, nx)
     total = array_at(w.NIS, k + 1)[k]
     for a in range(nx):
@@ -268,19 +262,22 @@ def _note(w, k):
 @kernel
 def _predict(m, w, k):
     """z and its covariance at sample k, from those at k − 1."""
-    ns, nx = w.ns, w.ns + w.p
-    time, z, f = array_at(w.time, k + 1), array_at(w.z, nx), array_at(w.f, ns)
-    t, u = time[k - 1], w.u + 8 * (k - 1) * w.n
-    if linearise(m, w.z, u, w.z + 8 * ns, t, time[k] - t, w.mode, w.epsilon, w.central, w.f, w.J):
+    n, nx, ns, z, point = w.R.shape[0], w.z.shape[0], m.f.shape[0], w.z, m.point
+    time, u = array_at(w.time, k + 1), array_at(w.u + 8 * (k - 1) * n, n)
+    for i in range(nx):
+        point[i] = z[i]
+    for i in range(n):
+        point[nx + i] = u[i]
+    if linearise(m, time[k - 1], time[k] - time[k - 1], w.mode, w.epsilon, w.central):
         return PLANT_FAILED
-    if not _process_noise(w):
+    if not _process_noise(m, w):
         return NO_MASS
     for i in range(ns):
-        z[i] = f[i]
+        z[i] = m.f[i]
     if w.udu:
-        _predict_udu(w)
+        _predict_udu(m, w)
     else:
-        _predict_joseph(w)
+        _predict_joseph(m, w)
     return DONE
 
 

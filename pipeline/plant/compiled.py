@@ -13,10 +13,10 @@ from pipeline.plant.transition_kernel import (
     DIFFERENCES,
     DIRECTIONAL_DERIVATIVES,
     MODEL_EXCHANGE,
-    PLANT,
     RESET,
     RESTORED,
     linearise_once,
+    plant_fields,
     transition_once,
 )
 
@@ -29,52 +29,49 @@ class CompiledPlant:
     compiled = True
 
     def __init__(self, plant: ModelExchangePlant | CoSimulationPlant):
-        self._plant, self.memory = plant, Memory(PLANT)
-        self.binding, self.file, self.instance = plant.binding, plant.file, plant.instance
+        self._plant, self.binding, self.file, self.instance = plant, plant.binding, plant.file, plant.instance
         self.interface, self.n, self.ns, self.directional = plant.interface, plant.n, plant.ns, plant.directional
-        self.p = len(self.binding.parameter)
+        self.p, nx = len(self.binding.parameter), plant.nx if plant.interface == "ME" else 0
+        fields = plant_fields(self.n, self.ns, self.p, nx, len(plant.tuned), len(plant.fed))
+        self.memory = Memory(fields)
         connect(self.memory, self.instance)
         self._variables()
         if self.interface == "ME":
             self._model_exchange()
         else:
             self._co_simulation()
-        self._room()
 
     @property
     def calls(self) -> int:
         """Evaluations of the FMU so far: derivatives and directional ones, or steps."""
-        return self._plant.calls + self.memory.number("evaluations")
+        return self._plant.calls + int(self.memory["evaluations"])
 
     @property
     def columns(self) -> np.ndarray:
         """The places in [s, chi, u] that are differenced; the other columns are the identity's."""
-        return self.memory["columns"]
+        return np.sort(self.memory["columns"][: self.memory["n_columns"]])
 
     @columns.setter
     def columns(self, places: np.ndarray) -> None:
-        self.memory.set(n_columns=len(places))
-        self.memory.put(columns=np.array(places, np.int64))
+        last = (self.ns <= places) & (places < self.ns + self.p)  # parameters cost most: none is set for the others
+        self.memory.set(n_columns=len(places), J=np.eye(self.ns + self.p + self.n, self.ns))
+        self.memory["columns"][: len(places)] = [*places[~last], *places[last]]
 
     def transition(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float) -> np.ndarray:
         """The state (ns,) after dt (s) with u (n,) held. Raises FmuError where the FMU refuses or gives no number."""
-        result, arguments = np.empty(self.ns), [_doubles(a) for a in (s, u, chi)]
-        addresses = (a.ctypes.data for a in arguments)
-        self.check(transition_once(self.memory.record, *addresses, float(t), float(dt), result.ctypes.data), t)
-        return result
+        self.memory["point"][:] = np.concatenate([s, chi, u])
+        self.check(transition_once(self.memory.record, float(t), float(dt)), t)
+        return self.memory["f"].copy()
 
     def linearise(
         self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float, mode: str
     ) -> tuple[np.ndarray, np.ndarray]:
         """The transition f (ns,) and its derivatives J (ns, ns + p + n) by s, chi and u."""
-        f, J = np.empty(self.ns), np.empty((self.ns + self.p + self.n, self.ns))
-        arguments = [_doubles(a) for a in (s, u, chi)]
-        addresses = (a.ctypes.data for a in arguments)
+        self.memory["point"][:] = np.concatenate([s, chi, u])
         how, central = MODES[mode]
         step = EPSILON["central" if central else "forward"]
-        result = f.ctypes.data, J.ctypes.data
-        self.check(linearise_once(self.memory.record, *addresses, float(t), float(dt), how, step, central, *result), t)
-        return f, J.T
+        self.check(linearise_once(self.memory.record, float(t), float(dt), how, step, central), t)
+        return self.memory["f"].copy(), self.memory["J"].T.copy()
 
     def accelerations(self, q: np.ndarray, qd: np.ndarray, u: np.ndarray, chi: np.ndarray) -> np.ndarray:
         """qdd (N, n) at q, qd (N, n), all with the same input u (n,) and parameters chi (p,), at time 0."""
@@ -107,51 +104,33 @@ class CompiledPlant:
     def check(self, failed: bool, t: float) -> None:
         """Raise FmuError for a kernel that failed at t (s), naming the call and its status."""
         if failed:
-            self.memory["parameters"][:] = self.memory["inputs"][:] = np.nan  # nobody knows what the FMU has
+            self.memory.set(parameters=np.nan, inputs=np.nan)  # nobody knows what the FMU has
             refuse(self.memory, self.instance, t)
 
     def _variables(self) -> None:
         """Inputs, and parameters: those that are tuned and those that are fed as inputs."""
         plant, memory = self._plant, self.memory
-        tuned, fed = plant.tuned, plant.fed
-        memory.set(n=self.n, ns=self.ns, p=self.p, n_tuned=len(tuned), n_fed=len(fed), n_inputs=self.n + len(fed))
-        memory.put(tuned=tuned.astype(np.int64), fed=fed.astype(np.int64))
-        memory.put(tuned_vr=plant.parameters.vr, input_vr=plant.inputs.vr)
-        memory.put(parameters=np.full(len(tuned), np.nan), inputs=np.full(self.n + len(fed), np.nan))
-        memory.put(floor=floor(self.binding, self.ns))
+        memory.set(tuned=plant.tuned, fed=plant.fed, parameters=np.nan, inputs=np.nan)
+        memory.set(floor=floor(self.binding, self.ns), gain=self.binding.gain, seed=1.0)
+        memory.refer(tuned_vr=plant.parameters.vr, input_vr=plant.inputs.vr)
         self.columns = plant.columns
 
     def _model_exchange(self) -> None:
         plant, memory = self._plant, self.memory
         substeps = 0 if plant.method == "euler" else plant.substeps
         completes = plant.file.description.modelExchange.needsCompletedIntegratorStep
-        memory.set(kind=MODEL_EXCHANGE, substeps=substeps, nx=plant.nx, t=plant.t, completes=bool(completes))
-        memory.put(order=plant.order.astype(np.int64))
-        memory.room(x=plant.nx, dx=plant.nx)
+        memory.set(kind=MODEL_EXCHANGE, substeps=substeps, t=plant.t, completes=bool(completes), order=plant.order)
         if self.directional:
-            unknowns, knowns = ([self.file.reference(v) for v in names] for names in plant.tangents())
             places = [*range(self.ns), *(self.ns + self.p + np.arange(self.n)), *(self.ns + plant.fed)]
-            memory.set(n_knowns=len(knowns))
-            memory.put(unknown_vr=np.array(unknowns, np.uint32), known_vr=np.array(knowns, np.uint32))
-            memory.put(known_column=np.array(places, np.int64), seed=np.ones(1))
-            c = len(knowns)
-            memory.room(tangents=(c, self.ns), **{name: (c, self.ns) for name in ("S", "S_stage", "S_total", "K")})
+            unknowns, knowns = ([self.file.reference(v) for v in names] for names in plant.tangents())
+            memory.set(known_column=places)
+            memory.refer(unknown_vr=np.array(unknowns, np.uint32), known_vr=np.array(knowns, np.uint32))
 
     def _co_simulation(self) -> None:
         plant, memory = self._plant, self.memory
-        memory.put(state_vr=plant.start.vr, output_vr=plant.outputs.vr)
+        memory.refer(state_vr=plant.start.vr, output_vr=plant.outputs.vr)
         if plant.restores == "state":
             memory.set(kind=RESTORED, snapshot=plant.snapshot.value)
         else:
             memory.set(kind=RESET, n_settings=plant.settings.n)
-            memory.put(setting_vr=plant.settings.vr, settings=plant.values)
-
-    def _room(self) -> None:
-        ns = self.ns
-        self.memory.room(
-            **{name: ns for name in ("k", "total", "stage", "ahead", "behind")}, point=ns + self.p + self.n
-        )
-
-
-def _doubles(values) -> np.ndarray:
-    return np.ascontiguousarray(values, dtype=float)
+            memory.refer(setting_vr=plant.settings.vr, settings=plant.values)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from hashlib import sha256
 
 import numba
+import numpy as np
 from llvmlite import ir
 from numba import carray, njit, types
 from numba.core import cgutils
@@ -27,7 +28,7 @@ _folder = kernel_cache(fingerprint())
 if _folder is not None:
     numba.config.CACHE_DIR = str(_folder)
 
-kernel = njit(nogil=True, cache=_folder is not None, error_model="numpy")
+kernel = njit(nogil=True, cache=_folder is not None, error_model="numpy", forceinline=True)
 """Decorator: compile for the types it is called with, as NumPy computes (x/0 is inf), no operations reordered."""
 
 
@@ -73,6 +74,12 @@ _doubles, _integers, _bytes = (
 def array_at(address, n):
     """The n doubles at address: a view that owns nothing."""
     return carray(_doubles(address), n)
+
+
+@kernel
+def address(array):
+    """Where a contiguous array begins."""
+    return np.int64(array.ctypes.data)
 
 
 @kernel

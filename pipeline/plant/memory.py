@@ -11,34 +11,26 @@ from pipeline.plant.fmu import Instance
 
 
 class Memory:
-    """A record of `fields` (see the kernels), `record` (1,), and the arrays that it holds the addresses of."""
+    """A record of `fields` (see the kernels), `record` (1,): numbers, arrays within it, and addresses of others."""
 
-    def __init__(self, fields: Sequence[tuple[str, str]]):
+    def __init__(self, fields: Sequence[tuple]):
         self.record = np.zeros(1, np.dtype(list(fields)))
-        self._arrays: dict[str, np.ndarray] = {}
+        self._kept: dict[str, np.ndarray] = {}
 
-    def set(self, **numbers: float) -> None:
-        """Set numbers by field."""
-        for name, value in numbers.items():
-            self.record[name] = value
+    def set(self, **values) -> None:
+        """Set numbers, and arrays within the record, by field."""
+        for name, value in values.items():
+            self.record[name][0] = value
 
-    def put(self, **arrays) -> None:
+    def refer(self, **arrays) -> None:
         """Keep arrays, made contiguous, and set each field to its address."""
         for name, array in arrays.items():
-            self._arrays[name] = np.ascontiguousarray(array)
-            self.record[name] = self._arrays[name].ctypes.data
+            self._kept[name] = np.ascontiguousarray(array)
+            self.record[name] = self._kept[name].ctypes.data
 
-    def room(self, **shapes: int | tuple[int, ...]) -> None:
-        """The same for arrays of zeros of these shapes."""
-        self.put(**{name: np.zeros(shape) for name, shape in shapes.items()})
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """An array that is kept."""
-        return self._arrays[name]
-
-    def number(self, name: str) -> int:
-        """A number by its field."""
-        return int(self.record[name][0])
+    def __getitem__(self, name: str) -> np.ndarray | int | float:
+        """An array that is kept, or the field's own."""
+        return self._kept[name] if name in self._kept else self.record[name][0]
 
 
 def connect(memory: Memory, instance: Instance) -> None:
@@ -46,12 +38,12 @@ def connect(memory: Memory, instance: Instance) -> None:
     calls = instance.calls
     memory.set(**{name: calls.address(name) for name in FUNCTIONS})
     memory.set(fmu=calls.instance, fmi3=calls.prefix == "fmi3")
-    memory.room(flags=4)
+    memory.refer(flags=np.zeros(4))
 
 
 def refuse(memory: Memory, instance: Instance, t: float) -> None:
     """Raise FmuError for what a kernel failed with at t (s)."""
-    call = CALLS[memory.number("call")]
+    call = CALLS[memory["call"]]
     if call == CALLS[DERIVATIVES]:
         call = instance.calls.derivatives_call.removeprefix(instance.calls.prefix)
-    instance.check(memory.number("status"), call, t)
+    instance.check(int(memory["status"]), call, t)

@@ -1,7 +1,7 @@
-"""A plant's transition over a sample and its derivatives, compiled: the same operations in the same order as in Python.
+"""A plant's transition over a sample and its derivatives, compiled: the operations of Python's in their order.
 
-(`model_exchange.py`, `restored_state.py`, identify's `jacobian.py`.) A kernel gets the plant's record and addresses of
-doubles, and returns whether it failed: see `fmi_kernel.py`.
+(`model_exchange.py`, `restored_state.py`, identify's `jacobian.py`.) A kernel gets the plant's record, whose arrays have
+the plant's own sizes: they are constants of the machine code. It starts from `point`, and returns whether it failed.
 """
 
 from __future__ import annotations
@@ -36,97 +36,106 @@ from pipeline.plant.fmi_kernel import (
     setup,
 )
 from pipeline.plant.fmu import NOT_FINITE
-from pipeline.plant.kernel import array_at, integers_at, kernel, matrix_at
+from pipeline.plant.kernel import address, kernel
 
 MODEL_EXCHANGE, RESTORED, RESET = range(3)
 """Kinds of transition: by derivatives; by a step from a restored FMU state; by a step after a reset."""
 
 DIFFERENCES, DIRECTIONAL_DERIVATIVES = range(2)
 
-PLANT = [
-    *INSTANCE,
-    *((name, "i8") for name in (
-        "kind", "n", "ns", "p", "nx", "substeps", "completes", "snapshot", "evaluations",
-        "n_inputs", "n_tuned", "n_fed", "n_settings", "n_knowns", "n_columns",
-        # value references, and places in chi or in the FMU's states
-        "input_vr", "tuned_vr", "state_vr", "setting_vr", "output_vr", "unknown_vr", "known_vr",
-        "order", "tuned", "fed", "columns", "known_column",
-        # doubles: what the FMU was last given, and room to work in
-        "inputs", "parameters", "settings", "x", "dx", "k", "total", "stage", "seed", "point", "floor",
-        "ahead", "behind", "tangents", "S", "S_stage", "S_total", "K",
-    )),
-    ("t", "f8"),
-]  # fmt: skip
-"""Fields of the record of a plant. substeps: of RK4, 0 for Euler; columns: the places in [s, chi, u] that make a
-difference; known_column: the place of each known of the directional derivatives there."""
+
+def plant_fields(n: int, ns: int, p: int, nx: int, tuned: int, fed: int) -> list[tuple]:
+    """Fields of the record of a plant: n joints, ns states, p parameters; of the FMU nx states, and of its parameters
+    so many that are tuned and that are fed as inputs.
+
+    point: [s, chi, u] where the transition starts; f, J (ns + p + n, ns): the transition and its derivatives, a row for
+    each place of point; inputs, parameters: what the FMU has; x, dx: its states and their derivatives, order: where
+    those of s stand there; substeps: of RK4, 0 for Euler; columns: the places of point that are differenced;
+    known_column: the place of each known of the directional derivatives.
+    """
+    m, knowns = ns + p + n, ns + n + fed
+    numbers = ("kind", "substeps", "completes", "snapshot", "evaluations", "n_settings", "n_columns")
+    addresses = ("input_vr", "tuned_vr", "state_vr", "output_vr", "setting_vr", "settings", "unknown_vr", "known_vr")
+    whole = {"order": (ns,), "tuned": (tuned,), "fed": (fed,), "columns": (m,), "known_column": (knowns,)}
+    real = {
+        "point": (m,), "floor": (m,), "gain": (n,), "f": (ns,), "J": (m, ns), "inputs": (n + fed,),
+        "parameters": (tuned,), "x": (nx,), "dx": (nx,), "k": (ns,), "total": (ns,), "stage": (ns,), "ahead": (ns,),
+        "behind": (ns,), "seed": (1,),
+        **{name: (knowns, ns) for name in ("tangents", "S", "S_stage", "S_total", "K")},
+    }  # fmt: skip
+    return [
+        *INSTANCE,
+        *((name, "i8") for name in (*numbers, *addresses)),
+        ("t", "f8"),
+        *((name, "i8", shape) for name, shape in whole.items()),
+        *((name, "f8", shape) for name, shape in real.items()),
+    ]
 
 
 @kernel
-def _finite(values, n):
-    for i in range(n):
-        if not isfinite(values[i]):
-            return False
-    return True
+def _all_finite(values):
+    """Whether no value is infinite or none; so is a sum of them."""
+    total = 0.0
+    for i in range(values.shape[0]):
+        total += values[i]
+    return isfinite(total)
 
 
 @kernel
 def evaluate(m, s, ds):
     """ds (ns,) = derivatives at the states s (ns,), the FMU being at its time, parameters and inputs."""
-    from_, to, x, dx = array_at(s, m.ns), array_at(ds, m.ns), array_at(m.x, m.nx), array_at(m.dx, m.nx)
-    order = integers_at(m.order, m.ns)
-    for i in range(m.ns):
-        x[order[i]] = from_[i]
+    ns, x, dx, order = m.f.shape[0], m.x, m.dx, m.order
+    for i in range(ns):
+        x[order[i]] = s[i]
     m.evaluations += 1
-    if set_states(m, m.x, m.nx) or get_derivatives(m, m.dx, m.nx):
+    if set_states(m, address(x), x.shape[0]) or get_derivatives(m, address(dx), x.shape[0]):
         return True
-    for i in range(m.ns):
-        to[i] = dx[order[i]]
-    return False if _finite(to, m.ns) else failed(m, DERIVATIVES, NOT_FINITE)
+    for i in range(ns):
+        ds[i] = dx[order[i]]
+    return False if _all_finite(ds) else failed(m, DERIVATIVES, NOT_FINITE)
 
 
 @kernel
-def _feed(m, u, chi):
+def feed(m):
     """Set the inputs, those among the parameters with them, where they changed."""
-    inputs, joint, parameters, fed = array_at(m.inputs, m.n_inputs), array_at(u, m.n), array_at(chi, m.p), m.fed
-    places, changed = integers_at(fed, m.n_fed), False
-    for i in range(m.n):
-        changed |= inputs[i] != joint[i]
-        inputs[i] = joint[i]
-    for i in range(m.n_fed):
-        changed |= inputs[m.n + i] != parameters[places[i]]
-        inputs[m.n + i] = parameters[places[i]]
-    if changed and set_values(m, INPUTS, m.input_vr, m.n_inputs, m.inputs):
-        inputs[0] = float("nan")  # nobody knows what the FMU has
-        return True
-    return False
+    point, inputs, fed, changed = m.point, m.inputs, m.fed, False
+    ns, n = m.f.shape[0], m.gain.shape[0]
+    first = point.shape[0] - n
+    for i in range(n):
+        changed |= inputs[i] != point[first + i]
+        inputs[i] = point[first + i]
+    for i in range(fed.shape[0]):
+        changed |= inputs[n + i] != point[ns + fed[i]]
+        inputs[n + i] = point[ns + fed[i]]
+    return changed and set_values(m, INPUTS, m.input_vr, inputs.shape[0], address(inputs))
 
 
 @kernel
-def _tune(m, chi):
+def tune(m):
     """Set the parameters that changed, in Event Mode (2.0.5, §3.2.1; 3.0.2, §3.2.1)."""
-    has, wanted, places = array_at(m.parameters, m.n_tuned), array_at(chi, m.p), integers_at(m.tuned, m.n_tuned)
-    first, end = m.n_tuned, 0
-    for i in range(m.n_tuned):
-        if has[i] != wanted[places[i]]:
-            has[i] = wanted[places[i]]
+    point, has, tuned, ns = m.point, m.parameters, m.tuned, m.f.shape[0]
+    first, end = has.shape[0], 0
+    for i in range(has.shape[0]):
+        if has[i] != point[ns + tuned[i]]:
+            has[i] = point[ns + tuned[i]]
             first, end = min(first, i), i + 1
     if end == 0:
         return False
     if enter_event_mode(m):
         return True
-    if set_values(m, PARAMETERS, m.tuned_vr + 4 * first, end - first, m.parameters + 8 * first):
+    if set_values(m, PARAMETERS, m.tuned_vr + 4 * first, end - first, address(has) + 8 * first):
         return True
     return settle(m)
 
 
 @kernel
-def _move_time(m, s, t):
-    """Move the time to t (s), the states s (ns,) being what they are there: an integrator's step is complete."""
-    from_, x, order = array_at(s, m.ns), array_at(m.x, m.nx), integers_at(m.order, m.ns)
-    for i in range(m.ns):
-        x[order[i]] = from_[i]
+def _move_time(m, t):
+    """Move the time to t (s), the states being there what m.point says: an integrator's step is complete."""
+    x, order = m.x, m.order
+    for i in range(order.shape[0]):
+        x[order[i]] = m.point[i]
     m.t = t
-    if set_time(m, t) or set_states(m, m.x, m.nx):
+    if set_time(m, t) or set_states(m, address(x), x.shape[0]):
         return True
     if not m.completes:
         return False
@@ -135,48 +144,40 @@ def _move_time(m, s, t):
 
 
 @kernel
-def prepare(m, s, u, chi, t):
-    """Set time, parameters and inputs, each where it changed."""
-    if t != m.t and _move_time(m, s, t):
+def prepare(m, t):
+    """Set time, parameters and inputs to those of m.point, each where it changed (Model Exchange)."""
+    if t != m.t and _move_time(m, t):
         return True
-    return _tune(m, chi) or _feed(m, u, chi)
+    return tune(m) or feed(m)
 
 
 @kernel
-def _integrate(m, s, dt, result):
-    """result = the states dt (s) after s (Model Exchange): Euler (Eq. 13), or RK4 in sub-steps; result may be s."""
-    x, k = array_at(result, m.ns), array_at(m.k, m.ns)
-    start, total, stage = array_at(s, m.ns), array_at(m.total, m.ns), array_at(m.stage, m.ns)
+def _integrate(m, dt, result):
+    """result (ns,) = the states dt (s) after m.point (Model Exchange): Euler (Eq. 13), or RK4 in sub-steps."""
+    ns, point, k, total, stage = m.f.shape[0], m.point, m.k, m.total, m.stage
     if m.substeps == 0:
-        if evaluate(m, s, m.k):
+        if evaluate(m, point, k):
             return True
-        for i in range(m.ns):
-            x[i] = start[i] + dt * k[i]
+        for i in range(ns):
+            result[i] = point[i] + dt * k[i]
         return False
     step = dt / m.substeps
     half, sixth = 0.5 * step, step / 6.0
-    for i in range(m.ns):
-        x[i] = start[i]
+    for i in range(ns):
+        result[i] = point[i]
     for _ in range(m.substeps):
-        if evaluate(m, result, m.total):
-            return True
-        for i in range(m.ns):
-            stage[i] = x[i] + half * total[i]
-        if evaluate(m, m.stage, m.k):
-            return True
-        for i in range(m.ns):
-            total[i] += 2.0 * k[i]
-            stage[i] = x[i] + half * k[i]
-        if evaluate(m, m.stage, m.k):
-            return True
-        for i in range(m.ns):
-            total[i] += 2.0 * k[i]
-            stage[i] = x[i] + step * k[i]
-        if evaluate(m, m.stage, m.k):
-            return True
-        for i in range(m.ns):
-            total[i] += k[i]
-            x[i] = x[i] + sixth * total[i]
+        for i in range(ns):
+            total[i], stage[i] = 0.0, result[i]
+        for part in range(4):
+            if evaluate(m, stage, k):
+                return True
+            weight = 1.0 if part in (0, 3) else 2.0
+            ahead = step if part == 2 else half
+            for i in range(ns):
+                total[i] += weight * k[i]
+                stage[i] = result[i] + ahead * k[i]
+        for i in range(ns):
+            result[i] = result[i] + sixth * total[i]
     return False
 
 
@@ -184,225 +185,205 @@ def _integrate(m, s, dt, result):
 def _from_scratch(m, t):
     """Co-Simulation: an instance as before its initialisation, its settings made."""
     if m.kind == RESTORED:
-        if restore(m, m.snapshot):
-            return True
-        return setup(m, t)
-    if reset(m) or setup(m, t):
-        return True
-    return set_values(m, STARTS, m.setting_vr, m.n_settings, m.settings)
+        return restore(m, m.snapshot) or setup(m, t)
+    return reset(m) or setup(m, t) or set_values(m, STARTS, m.setting_vr, m.n_settings, m.settings)
 
 
 @kernel
-def _co_simulate(m, s, u, chi, t, dt, result):
-    """result = the states after a Co-Simulation step from s (2.0.5, §2.1.8, §4.2.4)."""
-    parameters, inputs = array_at(m.parameters, m.n_tuned), array_at(m.inputs, m.n_inputs)
-    wanted, tuned, fed = array_at(chi, m.p), integers_at(m.tuned, m.n_tuned), integers_at(m.fed, m.n_fed)
-    for i in range(m.n_tuned):
-        parameters[i] = wanted[tuned[i]]
-    for i in range(m.n):
-        inputs[i] = array_at(u, m.n)[i]
-    for i in range(m.n_fed):
-        inputs[m.n + i] = wanted[fed[i]]
+def _co_simulate(m, t, dt, result):
+    """result (ns,) = the states after a Co-Simulation step from m.point (2.0.5, §2.1.8, §4.2.4)."""
+    point, inputs, parameters, ns, n = m.point, m.inputs, m.parameters, m.f.shape[0], m.gain.shape[0]
+    for i in range(parameters.shape[0]):
+        parameters[i] = point[ns + m.tuned[i]]
+    for i in range(n):
+        inputs[i] = point[point.shape[0] - n + i]
+    for i in range(m.fed.shape[0]):
+        inputs[n + i] = point[ns + m.fed[i]]
     m.evaluations += 1
     if (
         _from_scratch(m, t)
-        or set_values(m, STATES, m.state_vr, m.ns, s)
-        or set_values(m, PARAMETERS, m.tuned_vr, m.n_tuned, m.parameters)
+        or set_values(m, STATES, m.state_vr, ns, address(point))
+        or set_values(m, PARAMETERS, m.tuned_vr, parameters.shape[0], address(parameters))
         or enter_initialization(m, t)
-        or set_values(m, INPUTS, m.input_vr, m.n_inputs, m.inputs)
+        or set_values(m, INPUTS, m.input_vr, inputs.shape[0], address(inputs))
         or exit_initialization(m)
         or do_step(m, t, dt)
-        or get_values(m, OUTPUTS, m.output_vr, m.ns, result)
+        or get_values(m, OUTPUTS, m.output_vr, ns, address(result))
     ):
         return True
-    return False if _finite(array_at(result, m.ns), m.ns) else failed(m, STEP, NOT_FINITE)
+    return False if _all_finite(result) else failed(m, STEP, NOT_FINITE)
 
 
 @kernel
-def transition(m, s, u, chi, t, dt, result):
-    """result (ns,) = the states dt (s) after s (ns,) at t (s) with the input u (n,) held, parameters chi (p,)."""
+def transition(m, t, dt, result):
+    """result (ns,) = the states dt (s) after those of m.point at t (s), the input held."""
     if m.kind != MODEL_EXCHANGE:
-        return _co_simulate(m, s, u, chi, t, dt, result)
-    return prepare(m, s, u, chi, t) or _integrate(m, s, dt, result)
+        return _co_simulate(m, t, dt, result)
+    return prepare(m, t) or _integrate(m, dt, result)
 
 
 @kernel
-def _moved(m, column, by, t, dt, result):
-    """The transition with one place of m.point moved: whether it failed, and where that place was."""
-    point, chi, u = array_at(m.point, m.ns + m.p + m.n), m.point + 8 * m.ns, m.point + 8 * (m.ns + m.p)
+def _moved(m, column, there, t, dt, result):
+    """The transition with one place of m.point moved; the FMU stands at m.point but for what the last move left."""
+    point, ns = m.point, m.f.shape[0]
     kept = point[column]
-    there = kept + by
     point[column] = there
-    failure = transition(m, m.point, u, chi, t, dt, result)
+    if m.kind != MODEL_EXCHANGE:
+        failure = _co_simulate(m, t, dt, result)
+    else:  # of states the FMU is told in any case, and they are moved before it was told anything else
+        failure = (column >= ns and (tune(m) or feed(m))) or _integrate(m, dt, result)
     point[column] = kept
-    return failure, there
+    return failure
 
 
 @kernel
-def _difference(m, column, t, dt, epsilon, central, f, J):
-    """Row `column` of J: the difference quotient of the transition by one place of m.point."""
-    here = array_at(m.point, m.ns + m.p + m.n)[column]
-    step = epsilon * max(abs(here), array_at(m.floor, m.ns + m.p + m.n)[column])
-    failure, high = _moved(m, column, step, t, dt, m.ahead)
-    if failure:
+def _difference(m, column, t, dt, epsilon, central):
+    """A row of m.J: the difference quotient of the transition by one place of m.point."""
+    here, ahead, behind, f, ns = m.point[column], m.ahead, m.behind, m.f, m.f.shape[0]
+    step = epsilon * max(abs(here), m.floor[column])
+    high = here + step
+    if _moved(m, column, high, t, dt, ahead):
         return True
-    low, base = here, f
     if central:
-        failure, low = _moved(m, column, -step, t, dt, m.behind)
-        base = m.behind
-        if failure:
+        low = here - step
+        if _moved(m, column, low, t, dt, behind):
             return True
-    ahead, behind, row = array_at(m.ahead, m.ns), array_at(base, m.ns), array_at(J + 8 * column * m.ns, m.ns)
-    for i in range(m.ns):
-        row[i] = (ahead[i] - behind[i]) / (high - low)  # the step that was taken: the rest is rounding
+        for i in range(ns):
+            m.J[column, i] = (ahead[i] - behind[i]) / (high - low)  # the step that was taken: the rest is rounding
+        return False
+    for i in range(ns):
+        m.J[column, i] = (ahead[i] - f[i]) / (high - here)
     return False
 
 
 @kernel
-def _clear(m, J):
-    """J (ns + p + n, ns) of a plant that does nothing: the states stay."""
-    J = matrix_at(J, m.ns + m.p + m.n, m.ns)
-    for j in range(m.ns + m.p + m.n):
-        for i in range(m.ns):
-            J[j, i] = 1.0 if i == j else 0.0
-
-
-@kernel
-def linearise(m, s, u, chi, t, dt, mode, epsilon, central, f, J):
-    """f (ns,) = the transition, and J (ns + p + n, ns) its derivatives, a row for each of [s, chi, u].
+def linearise(m, t, dt, mode, epsilon, central):
+    """m.f and m.J, the transition from m.point at t (s) over dt (s) and its derivatives.
 
     mode: DIFFERENCES of all, forward (epsilon, relative) or central; or DIRECTIONAL_DERIVATIVES, with forward
     differences for the parameters that are no inputs. Rows that are not in m.columns are those of the identity.
     """
-    point = array_at(m.point, m.ns + m.p + m.n)
-    for i in range(m.ns):
-        point[i] = array_at(s, m.ns)[i]
-    for i in range(m.p):
-        point[m.ns + i] = array_at(chi, m.p)[i]
-    for i in range(m.n):
-        point[m.ns + m.p + i] = array_at(u, m.n)[i]
-    _clear(m, J)
     exact = mode == DIRECTIONAL_DERIVATIVES
     if exact:
-        if sensitivity(m, s, u, chi, t, dt, f, J):
+        if sensitivity(m, t, dt):
             return True
-    elif transition(m, s, u, chi, t, dt, f):
+    elif transition(m, t, dt, m.f):
         return True
-    columns = integers_at(m.columns, m.n_columns)
     for i in range(m.n_columns):
-        if exact and not _only_by_difference(m, columns[i]):
+        if exact and not _only_by_difference(m, m.columns[i]):
             continue
-        if _difference(m, columns[i], t, dt, epsilon, central, f, J):
+        if _difference(m, m.columns[i], t, dt, epsilon, central):
             return True
     return False
 
 
 @kernel
 def _only_by_difference(m, column):
-    """Whether a place of [s, chi, u] is a parameter that is no input."""
-    known = integers_at(m.known_column, m.n_knowns)
-    for i in range(m.n_knowns):
-        if known[i] == column:
+    """Whether a place of m.point is a parameter that is no input."""
+    for i in range(m.known_column.shape[0]):
+        if m.known_column[i] == column:
             return False
     return True
 
 
 @kernel
-def sensitivity(m, s, u, chi, t, dt, f, J):
-    """f = the transition (Model Exchange) and the rows of J by state, input and fed parameters, exactly.
+def sensitivity(m, t, dt):
+    """m.f (Model Exchange) and the rows of m.J by state, input and fed parameters, exactly.
 
     The same steps as the transition, differentiated: each stage takes the FMU's directional derivatives along.
     """
-    if prepare(m, s, u, chi, t):
+    if prepare(m, t):
         return True
-    x, k, total, stage = array_at(f, m.ns), array_at(m.k, m.ns), array_at(m.total, m.ns), array_at(m.stage, m.ns)
-    c = m.n_knowns
-    S, K = matrix_at(m.S, c, m.ns), matrix_at(m.K, c, m.ns)
-    S_stage, S_total = matrix_at(m.S_stage, c, m.ns), matrix_at(m.S_total, c, m.ns)
-    for i in range(m.ns):
-        x[i] = array_at(s, m.ns)[i]
-    for j in range(c):
-        for i in range(m.ns):
+    f, point, k, total, stage, S, K = m.f, m.point, m.k, m.total, m.stage, m.S, m.K
+    knowns, ns = S.shape
+    for i in range(ns):
+        f[i] = point[i]
+    for j in range(knowns):
+        for i in range(ns):
             S[j, i] = 1.0 if i == j else 0.0
     if m.substeps == 0:
-        if _tangent_stage(m, f, m.S, m.k):
+        if _tangent_stage(m, f, S):
             return True
-        for i in range(m.ns):
-            x[i] += dt * k[i]
-        for j in range(c):
-            for i in range(m.ns):
-                S[j, i] += dt * K[j, i]
-        _spread(m, J)
-        return False
-    step = dt / m.substeps
-    for _ in range(m.substeps):
-        for i in range(m.ns):
-            total[i], stage[i] = 0.0, x[i]
-        for j in range(c):
-            for i in range(m.ns):
-                S_total[j, i], S_stage[j, i] = 0.0, S[j, i]
-        for part in range(4):
-            weight = 1.0 if part in (0, 3) else 2.0
-            ahead = step if part == 2 else 0.5 * step
-            if _tangent_stage(m, m.stage, m.S_stage, m.k):
-                return True
-            for i in range(m.ns):
-                total[i] += weight * k[i]
-                stage[i] = x[i] + ahead * k[i]
-            for j in range(c):
-                for i in range(m.ns):
-                    S_total[j, i] += weight * K[j, i]
-                    S_stage[j, i] = S[j, i] + ahead * K[j, i]
-        for i in range(m.ns):
-            x[i] += step / 6.0 * total[i]
-        for j in range(c):
-            for i in range(m.ns):
-                S[j, i] += step / 6.0 * S_total[j, i]
-    _spread(m, J)
+        for i in range(ns):
+            f[i] += dt * k[i]
+        _add(S, dt, K)
+    else:
+        step = dt / m.substeps
+        for _ in range(m.substeps):
+            for i in range(ns):
+                total[i], stage[i] = 0.0, f[i]
+            for j in range(knowns):
+                for i in range(ns):
+                    m.S_total[j, i], m.S_stage[j, i] = 0.0, S[j, i]
+            for part in range(4):
+                if _tangent_stage(m, stage, m.S_stage):
+                    return True
+                weight = 1.0 if part in (0, 3) else 2.0
+                ahead = step if part == 2 else 0.5 * step
+                for i in range(ns):
+                    total[i] += weight * k[i]
+                    stage[i] = f[i] + ahead * k[i]
+                _add(m.S_total, weight, K)
+                _set(m.S_stage, S, ahead, K)
+            for i in range(ns):
+                f[i] += step / 6.0 * total[i]
+            _add(S, step / 6.0, m.S_total)
+    for j in range(knowns):
+        for i in range(ns):
+            m.J[m.known_column[j], i] = S[j, i]
     return False
 
 
 @kernel
-def _tangent_stage(m, s, S, ds):
-    """ds = the derivatives at s, and m.K their derivatives along S (knowns, ns)."""
-    if evaluate(m, s, ds):
+def _add(S, factor, K):
+    """S += factor K."""
+    for j in range(S.shape[0]):
+        for i in range(S.shape[1]):
+            S[j, i] += factor * K[j, i]
+
+
+@kernel
+def _set(result, S, factor, K):
+    """result = S + factor K."""
+    for j in range(S.shape[0]):
+        for i in range(S.shape[1]):
+            result[j, i] = S[j, i] + factor * K[j, i]
+
+
+@kernel
+def _tangent_stage(m, s, S):
+    """m.k = the derivatives at s, and m.K their derivatives along S (knowns, ns)."""
+    if evaluate(m, s, m.k):
         return True
-    c = m.n_knowns
-    J, S, K = matrix_at(m.tangents, c, m.ns), matrix_at(S, c, m.ns), matrix_at(m.K, c, m.ns)
-    for j in range(c):
-        if directional(m, m.unknown_vr, m.ns, m.known_vr + 4 * j, 1, m.seed, m.tangents + 8 * j * m.ns):
+    J, K = m.tangents, m.K
+    knowns, ns = J.shape
+    for j in range(knowns):
+        if directional(m, m.unknown_vr, ns, m.known_vr + 4 * j, 1, address(m.seed), address(J) + 8 * j * ns):
             return True
-        if not _finite(array_at(m.tangents + 8 * j * m.ns, m.ns), m.ns):
-            return failed(m, DIRECTIONAL, NOT_FINITE)
-    m.evaluations += c
-    for j in range(c):
-        for i in range(m.ns):
+        for i in range(ns):
+            if not isfinite(J[j, i]):
+                return failed(m, DIRECTIONAL, NOT_FINITE)
+    m.evaluations += knowns
+    for j in range(knowns):
+        for i in range(ns):
             K[j, i] = 0.0
-        for a in range(m.ns):
-            for i in range(m.ns):
+        for a in range(ns):
+            for i in range(ns):
                 K[j, i] += S[j, a] * J[a, i]
-        for i in range(m.ns):
-            K[j, i] += J[j, i] if j >= m.ns else 0.0
+        if j >= ns:
+            for i in range(ns):
+                K[j, i] += J[j, i]
     return False
 
 
 @kernel
-def _spread(m, J):
-    """The rows of m.S to their places in J."""
-    J, S = matrix_at(J, m.ns + m.p + m.n, m.ns), matrix_at(m.S, m.n_knowns, m.ns)
-    places = integers_at(m.known_column, m.n_knowns)
-    for j in range(m.n_knowns):
-        for i in range(m.ns):
-            J[places[j], i] = S[j, i]
+def transition_once(plant, t, dt):
+    """`transition` to m.f, for a record (1,) of Python's."""
+    m = plant[0]
+    return transition(m, t, dt, m.f)
 
 
 @kernel
-def transition_once(plant, s, u, chi, t, dt, result):
-    """`transition` for a record (1,) of Python's."""
-    return transition(plant[0], s, u, chi, t, dt, result)
-
-
-@kernel
-def linearise_once(plant, s, u, chi, t, dt, mode, epsilon, central, f, J):
+def linearise_once(plant, t, dt, mode, epsilon, central):
     """`linearise` for a record (1,) of Python's."""
-    return linearise(plant[0], s, u, chi, t, dt, mode, epsilon, central, f, J)
+    return linearise(plant[0], t, dt, mode, epsilon, central)
