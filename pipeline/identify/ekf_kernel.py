@@ -230,11 +230,10 @@ def _update_udu(w, k):
             v, factor = d[a] * f, f / before
             alpha += f * v
             d[a] *= before / alpha
-            for c in range(a):
+            for c in range(nx):  # b is 0 from a on, and U's rest: loops of constant length are the fast ones
                 kept = U[a, c]
                 U[a, c] = kept - b[c] * factor
                 b[c] += v * kept
-            b[a] += v
         for a in range(nx):
             z[a] += b[a] / alpha * residual
     return True
@@ -250,7 +249,7 @@ def _note(w, k):
         P_diag[a] = 0.0 if w.udu else P[a, a]
     if w.udu:
         for b in range(nx):
-            for a in range(b + 1):
+            for a in range(nx):
                 P[b, a] = 0.0 if abs(P[b, a]) < TINY else P[b, a]
                 P_diag[a] += P[b, a] * P[b, a] * d[b]
     for a in range(nx):

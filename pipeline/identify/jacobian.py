@@ -76,7 +76,7 @@ def _differences(plant, s, chi, u, t: float, dt: float, mode: str, f: np.ndarray
     for i in columns:
         ahead, at = moved(i, step[i])
         behind, back = (f, point[i]) if mode == "forward" else moved(i, -step[i])
-        J.append((ahead - behind) / (at - back))  # the step that was taken, not the one asked for: the rest is rounding
+        J.append((ahead - behind) * (1.0 / (at - back)))  # the step that was taken, not the one asked for
     return np.array(J).reshape(-1, ns).T
 
 

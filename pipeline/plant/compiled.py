@@ -31,9 +31,8 @@ class CompiledPlant:
     def __init__(self, plant: ModelExchangePlant | CoSimulationPlant):
         self._plant, self.binding, self.file, self.instance = plant, plant.binding, plant.file, plant.instance
         self.interface, self.n, self.ns, self.directional = plant.interface, plant.n, plant.ns, plant.directional
-        self.p, nx = len(self.binding.parameter), plant.nx if plant.interface == "ME" else 0
-        fields = plant_fields(self.n, self.ns, self.p, nx, len(plant.tuned), len(plant.fed))
-        self.memory = Memory(fields)
+        self.p = len(self.binding.parameter)
+        self.memory = Memory(plant_fields(self.n, self.ns, self.p, plant.nx, len(plant.tuned), len(plant.fed)))
         connect(self.memory, self.instance)
         self._variables()
         if self.interface == "ME":

@@ -24,7 +24,7 @@ class CoSimulationPlant:
     def __init__(self, file: Fmu, binding: Binding, settings: dict[str, float], restores: str = "state"):
         check_binding(binding, file)
         refuse_events(file)
-        state_order(file, binding)
+        _, self.nx = state_order(file, binding)
         self.columns = influential(file, binding)
         if restores == "state" and file.supports("CS") and not file.description.coSimulation.canGetAndSetFMUstate:
             raise FmuError(

@@ -1,7 +1,8 @@
 """A plant's transition over a sample and its derivatives, compiled: the operations of Python's in their order.
 
-(`model_exchange.py`, `restored_state.py`, identify's `jacobian.py`.) A kernel gets the plant's record, whose arrays have
-the plant's own sizes: they are constants of the machine code. It starts from `point`, and returns whether it failed.
+(`model_exchange.py`, `restored_state.py`, identify's `jacobian.py`.) A kernel gets the plant's record, whose arrays
+have the plant's own sizes: they are constants of the machine code. It starts from `point`, and returns whether it
+failed.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def plant_fields(n: int, ns: int, p: int, nx: int, tuned: int, fed: int) -> list
     m, knowns = ns + p + n, ns + n + fed
     numbers = ("kind", "substeps", "completes", "snapshot", "evaluations", "n_settings", "n_columns")
     addresses = ("input_vr", "tuned_vr", "state_vr", "output_vr", "setting_vr", "settings", "unknown_vr", "known_vr")
-    whole = {"order": (ns,), "tuned": (tuned,), "fed": (fed,), "columns": (m,), "known_column": (knowns,)}
+    whole = {"tuned": (tuned,), "fed": (fed,), "columns": (m,), "known_column": (knowns,)}
     real = {
         "point": (m,), "floor": (m,), "gain": (n,), "f": (ns,), "J": (m, ns), "inputs": (n + fed,),
         "parameters": (tuned,), "x": (nx,), "dx": (nx,), "k": (ns,), "total": (ns,), "stage": (ns,), "ahead": (ns,),
@@ -67,6 +68,7 @@ def plant_fields(n: int, ns: int, p: int, nx: int, tuned: int, fed: int) -> list
         *INSTANCE,
         *((name, "i8") for name in (*numbers, *addresses)),
         ("t", "f8"),
+        ("order", "u8", (ns,)),  # unsigned: no index counts from the end
         *((name, "i8", shape) for name, shape in whole.items()),
         *((name, "f8", shape) for name, shape in real.items()),
     ]
@@ -74,11 +76,11 @@ def plant_fields(n: int, ns: int, p: int, nx: int, tuned: int, fed: int) -> list
 
 @kernel
 def _all_finite(values):
-    """Whether no value is infinite or none; so is a sum of them."""
-    total = 0.0
+    """Whether no value is infinite or none: of those the difference from themselves is none."""
+    finite = True
     for i in range(values.shape[0]):
-        total += values[i]
-    return isfinite(total)
+        finite &= values[i] - values[i] == 0.0
+    return finite
 
 
 @kernel
@@ -248,11 +250,13 @@ def _difference(m, column, t, dt, epsilon, central):
         low = here - step
         if _moved(m, column, low, t, dt, behind):
             return True
+        rate = 1.0 / (high - low)  # the step that was taken, not the one asked for: the rest is rounding
         for i in range(ns):
-            m.J[column, i] = (ahead[i] - behind[i]) / (high - low)  # the step that was taken: the rest is rounding
+            m.J[column, i] = (ahead[i] - behind[i]) * rate
         return False
+    rate = 1.0 / (high - here)
     for i in range(ns):
-        m.J[column, i] = (ahead[i] - f[i]) / (high - here)
+        m.J[column, i] = (ahead[i] - f[i]) * rate
     return False
 
 
