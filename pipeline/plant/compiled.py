@@ -109,9 +109,9 @@ class CompiledPlant:
     def _variables(self) -> None:
         """Inputs, and parameters: those that are tuned and those that are fed as inputs."""
         plant, memory = self._plant, self.memory
-        memory.set(tuned=plant.tuned, fed=plant.fed, parameters=np.nan, inputs=np.nan)
+        memory.set(n=self.n, p=self.p, tuned=plant.tuned, fed=plant.fed, parameters=np.nan, inputs=np.nan)
         memory.set(floor=floor(self.binding, self.ns), gain=self.binding.gain, seed=1.0)
-        memory.refer(tuned_vr=plant.parameters.vr, input_vr=plant.inputs.vr)
+        memory.put(tuned_vr=plant.parameters.vr, input_vr=plant.inputs.vr)
         self.columns = plant.columns
 
     def _model_exchange(self) -> None:
@@ -123,13 +123,17 @@ class CompiledPlant:
             places = [*range(self.ns), *(self.ns + self.p + np.arange(self.n)), *(self.ns + plant.fed)]
             unknowns, knowns = ([self.file.reference(v) for v in names] for names in plant.tangents())
             memory.set(known_column=places)
-            memory.refer(unknown_vr=np.array(unknowns, np.uint32), known_vr=np.array(knowns, np.uint32))
+            memory.put(unknown_vr=np.array(unknowns, np.uint32), known_vr=np.array(knowns, np.uint32))
 
     def _co_simulation(self) -> None:
         plant, memory = self._plant, self.memory
-        memory.refer(state_vr=plant.start.vr, output_vr=plant.outputs.vr)
+        memory.put(state_vr=plant.start.vr, output_vr=plant.outputs.vr)
         if plant.restores == "state":
             memory.set(kind=RESTORED, snapshot=plant.snapshot.value)
         else:
             memory.set(kind=RESET, n_settings=plant.settings.n)
-            memory.refer(setting_vr=plant.settings.vr, settings=plant.values)
+            memory.put(setting_vr=plant.settings.vr, settings=plant.values)
+
+
+def _doubles(values) -> np.ndarray:
+    return np.ascontiguousarray(values, dtype=float)

@@ -17,7 +17,7 @@ class CompiledSlave:
 
     def refuse(self, port: Port | None, writing: bool) -> None:
         """Raise FmuError for what a kernel failed with: writing or reading a port, or without one a step."""
-        self._slave.t, status = float(self.memory.record["t"][0]), self.memory.number("status")
+        self._slave.t, status = float(self.memory["t"]), int(self.memory["status"])
         if port is None:
             self._slave.check(status)
         else:

@@ -22,11 +22,15 @@ class Memory:
         for name, value in values.items():
             self.record[name][0] = value
 
-    def refer(self, **arrays) -> None:
+    def put(self, **arrays) -> None:
         """Keep arrays, made contiguous, and set each field to its address."""
         for name, array in arrays.items():
             self._kept[name] = np.ascontiguousarray(array)
             self.record[name] = self._kept[name].ctypes.data
+
+    def room(self, **shapes: int | tuple[int, ...]) -> None:
+        """The same for arrays of zeros of these shapes."""
+        self.put(**{name: np.zeros(shape) for name, shape in shapes.items()})
 
     def __getitem__(self, name: str) -> np.ndarray | int | float:
         """An array that is kept, or the field's own."""
@@ -38,7 +42,7 @@ def connect(memory: Memory, instance: Instance) -> None:
     calls = instance.calls
     memory.set(**{name: calls.address(name) for name in FUNCTIONS})
     memory.set(fmu=calls.instance, fmi3=calls.prefix == "fmi3")
-    memory.refer(flags=np.zeros(4))
+    memory.put(flags=np.zeros(4))
 
 
 def refuse(memory: Memory, instance: Instance, t: float) -> None:

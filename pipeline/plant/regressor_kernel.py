@@ -9,7 +9,7 @@ from math import isfinite
 
 from pipeline.plant.fmi_kernel import DERIVATIVES, INPUTS, failed, get_derivatives, set_states, set_values
 from pipeline.plant.fmu import NOT_FINITE
-from pipeline.plant.kernel import array_at, integers_at, kernel, matrix_at
+from pipeline.plant.kernel import address, array_at, integers_at, kernel, matrix_at
 from pipeline.plant.transition_kernel import prepare
 
 POINTS = [
@@ -34,8 +34,8 @@ DONE, PLANT_FAILED, SINGULAR = range(3)
 @kernel
 def place(m, q, qd, N, X):
     """X from q, qd (N, n)."""
-    n, order = m.n, integers_at(m.order, m.ns)
-    positions, velocities, states = matrix_at(q, N, n), matrix_at(qd, N, n), matrix_at(X, N, m.nx)
+    n, order = m.n, m.order
+    positions, velocities, states = matrix_at(q, N, n), matrix_at(qd, N, n), matrix_at(X, N, m.x.shape[0])
     for g in range(N):
         for i in range(n):
             states[g, order[i]], states[g, order[n + i]] = velocities[g, i], positions[g, i]
@@ -44,19 +44,23 @@ def place(m, q, qd, N, X):
 @kernel
 def begin(m, X, u, chi):
     """Set the input u (n,) and the parameters chi (p,), at the first of the points X."""
-    s, first, order = array_at(m.stage, m.ns), array_at(X, m.nx), integers_at(m.order, m.ns)
-    for i in range(m.ns):
-        s[i] = first[order[i]]
-    return prepare(m, m.stage, u, chi, 0.0)
+    point, ns, first, order = m.point, m.f.shape[0], array_at(X, m.x.shape[0]), m.order
+    for i in range(ns):
+        point[i] = first[order[i]]
+    for i in range(m.p):
+        point[ns + i] = array_at(chi, m.p)[i]
+    for i in range(m.n):
+        point[ns + m.p + i] = array_at(u, m.n)[i]
+    return prepare(m, 0.0)
 
 
 @kernel
 def derive(m, qdd):
     """qdd (n,) where the FMU stands."""
     m.evaluations += 1
-    if get_derivatives(m, m.dx, m.nx):
+    order, dx, found, total = m.order, m.dx, array_at(qdd, m.n), 0.0
+    if get_derivatives(m, address(dx), dx.shape[0]):
         return True
-    order, dx, found, total = integers_at(m.order, m.ns), array_at(m.dx, m.nx), array_at(qdd, m.n), 0.0
     for i in range(m.n):
         found[i] = dx[order[i]]
         total += found[i]
@@ -69,7 +73,7 @@ def accelerate(m, X, N, u, chi, qdd):
     if begin(m, X, u, chi):
         return True
     for g in range(N):
-        if set_states(m, X + 8 * g * m.nx, m.nx) or derive(m, qdd + 8 * g * m.n):
+        if set_states(m, X + 8 * g * m.x.shape[0], m.x.shape[0]) or derive(m, qdd + 8 * g * m.n):
             return True
     return False
 
@@ -77,10 +81,10 @@ def accelerate(m, X, N, u, chi, qdd):
 @kernel
 def push(m, u):
     """Set the input u (n,), the parameters that are fed with it staying as they are."""
-    inputs, wanted = array_at(m.inputs, m.n_inputs), array_at(u, m.n)
+    inputs, wanted = m.inputs, array_at(u, m.n)
     for i in range(m.n):
         inputs[i] = wanted[i]
-    return set_values(m, INPUTS, m.input_vr, m.n_inputs, m.inputs)
+    return set_values(m, INPUTS, m.input_vr, inputs.shape[0], address(inputs))
 
 
 @kernel
@@ -89,13 +93,13 @@ def respond(m, w, chi, J):
 
     Point by point: an FMU may keep what follows from its states alone.
     """
-    n, N = m.n, w.N
+    n, N, nx = m.n, w.N, m.x.shape[0]
     step, force, u = array_at(w.step, n), array_at(w.force, n), array_at(w.u, n)
     pushed, free, J = array_at(w.pushed, n), matrix_at(w.free, N, n), matrix_at(J, N, n * n)
     if begin(m, w.X, w.still, chi):
         return True
     for g in range(N):
-        if set_states(m, w.X + 8 * g * m.nx, m.nx) or push(m, w.still) or derive(m, w.free + 8 * g * n):
+        if set_states(m, w.X + 8 * g * nx, nx) or push(m, w.still) or derive(m, w.free + 8 * g * n):
             return True
         for j in range(n):
             u[j] = step[j]

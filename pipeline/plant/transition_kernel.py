@@ -55,7 +55,7 @@ def plant_fields(n: int, ns: int, p: int, nx: int, tuned: int, fed: int) -> list
     known_column: the place of each known of the directional derivatives.
     """
     m, knowns = ns + p + n, ns + n + fed
-    numbers = ("kind", "substeps", "completes", "snapshot", "evaluations", "n_settings", "n_columns")
+    numbers = ("n", "p", "kind", "substeps", "completes", "snapshot", "evaluations", "n_settings", "n_columns")
     addresses = ("input_vr", "tuned_vr", "state_vr", "output_vr", "setting_vr", "settings", "unknown_vr", "known_vr")
     whole = {"tuned": (tuned,), "fed": (fed,), "columns": (m,), "known_column": (knowns,)}
     real = {

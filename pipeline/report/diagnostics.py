@@ -52,12 +52,13 @@ def jacobians(run: Run) -> Html | None:
     ways: dict[tuple, list[str]] = {}
     for name, estimate in run.estimates.items():
         if jacobian := estimate.get("jacobian"):
-            transition = (estimate.get("settings") or {}).get("transition")
+            settings = estimate.get("settings") or {}
+            transition = ", ".join(settings[key] for key in ("transition", "engine") if settings.get(key))
             way = (transition, *(jacobian.get(key) for key in ("used", "against", "difference", "reason")))
             ways.setdefault(way, []).append(name)
     if not ways:
         return None
-    labels = ("Filters", "Transition", "Jacobian", "compared with")
+    labels = ("Filters", "Transition, engine", "Jacobian", "compared with")
     head = [tag("th", h, scope="col", class_="text") for h in labels]
     head += [tag("th", "largest difference", scope="col"), tag("th", "Remark", scope="col", class_="text")]
     caption = (
