@@ -53,7 +53,7 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance pointer, fmi3Float64 d
     ENTER(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
     if (!right_count(c, n, N_STATES, "derivatives")) return report3(component, fmi3Error, __func__);
     refresh(c, STALE_DERIVATIVES);
-    memcpy(dx, DX(c), n * sizeof *dx);
+    for (size_t i = 0; i < N_STATES; i++) dx[i] = DX(c)[i];
     return finite_derivatives(c, c->memory.time, dx) ? fmi3OK : report3(component, fmi3Discard, __func__);
 }
 
