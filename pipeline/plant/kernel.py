@@ -32,6 +32,11 @@ kernel = njit(nogil=True, cache=_folder is not None, error_model="numpy", forcei
 """Decorator: compile for the types it is called with, as NumPy computes (x/0 is inf), no operations reordered."""
 
 
+def is_cached() -> bool:
+    """Whether machine code of these kernels is kept from an earlier run."""
+    return _folder is not None and any(_folder.rglob("*.nbi"))
+
+
 @intrinsic
 def call(typing, address, *arguments):
     """The int (32 bits) that the C function at address gives for arguments: integers and addresses int64, or float64.
@@ -98,3 +103,13 @@ def integers_at(address, n):
 def bytes_at(address, n):
     """The n bytes at address."""
     return carray(_bytes(address), n)
+
+
+@kernel
+def _one():
+    return 1
+
+
+def compiles() -> None:
+    """Compile the smallest kernel, or load it; raises whatever stops numba or LLVM on this machine."""
+    _one()

@@ -15,7 +15,7 @@ from pipeline.simulate.closed_loop import LoopPorts, simulate_closed_loop
 from pipeline.simulate.measured import FRAME_COLUMN, ColumnSettings, read_measured, with_force
 from pipeline.simulate.sensors import draw_noise
 from pipeline.simulate.trajectory import Limits, check_limits, read_waypoints, reference_frame, sample
-from pipeline.workflow.engine import engine_of
+from pipeline.workflow.engine import loop_engine
 from pipeline.workflow.session import Session
 
 MIN_SAMPLES = 200
@@ -71,18 +71,22 @@ def run_loop(session: Session, reference: pd.DataFrame, chi: np.ndarray, noise=N
     controller_start = {**controller.start, **dict(zip(controller.position_start, q_start, strict=False))}
     controller_start |= dict(zip(controller.velocity_start, qd_start, strict=False))
     columns = [c for c in reference if c.startswith(("qr_", "qdr_", "pulse_"))]
-    return simulate_closed_loop(
-        binding.path,
-        session.controller_fmu,
-        ports_of(session),
-        reference[columns],
-        controller.period,
-        noise,
-        plant_start,
-        controller_start,
-        binding.gain,
-        engine_of(session),
-    )
+
+    def simulated(engine: str, samples: int | None = None) -> pd.DataFrame:
+        return simulate_closed_loop(
+            binding.path,
+            session.controller_fmu,
+            ports_of(session),
+            reference[columns].iloc[:samples],
+            controller.period,
+            noise,
+            plant_start,
+            controller_start,
+            binding.gain,
+            engine,
+        )
+
+    return simulated(loop_engine(session, lambda engine, samples: simulated(engine, samples).to_numpy()))
 
 
 def ports_of(session: Session) -> LoopPorts:

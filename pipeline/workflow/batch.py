@@ -22,7 +22,7 @@ from pipeline.records import FAILED, Estimate, Regression, Trajectory
 from pipeline.settings import WlsSettings
 from pipeline.signals.frames import filter_frame, joint_columns
 from pipeline.simulate.trajectory import read_waypoints, sample
-from pipeline.workflow.engine import engine_of
+from pipeline.workflow.engine import regressor_engine
 from pipeline.workflow.session import Session
 
 STRIDE = 25
@@ -55,8 +55,8 @@ def open_inverse_model(session: Session, frame: pd.DataFrame) -> Iterator[Invers
     """The probed inverse model, its structure tested on the filtered motion of the measured frame."""
     n = session.binding.n
     filtered = filter_frame(frame, n, session.rate, session.recommended)
-    motion = (filtered[joint_columns(c, n)].to_numpy() for c in ("q", "qd", "qdd"))
-    with open_plant(session.binding, "probe", engine=engine_of(session)) as plant:
+    motion = [filtered[joint_columns(c, n)].to_numpy() for c in ("q", "qd", "qdd")]
+    with open_plant(session.binding, "probe", engine=regressor_engine(session, *motion)) as plant:
         yield probe(plant, *motion, seed=session.experiment.seed)
 
 

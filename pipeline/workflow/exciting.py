@@ -20,7 +20,7 @@ from pipeline.simulate.trajectory import Limits, Waypoints, peaks, reference_fra
 from pipeline.workflow.acquire import run_loop
 from pipeline.workflow.batch import motion_excitation
 from pipeline.workflow.building import build_fmus
-from pipeline.workflow.engine import engine_of
+from pipeline.workflow.engine import regressor_engine
 from pipeline.workflow.excitation_settings import CHECK_RATE, check_friction, excitation_settings, run_settings
 from pipeline.workflow.session import Session
 
@@ -155,7 +155,7 @@ def _inverse_model(session: Session, settings: ExcitationSettings) -> Iterator[I
     """The probed inverse model, its structure tested at random points within the limits."""
     rng, binding = np.random.default_rng(session.experiment.seed), session.binding
     motion = [rng.uniform(-1.0, 1.0, (50, binding.n)) * getattr(settings, name) for name in QUANTITIES[:3]]
-    with open_plant(binding, "probe", engine=engine_of(session)) as plant:
+    with open_plant(binding, "probe", engine=regressor_engine(session, *motion)) as plant:
         yield probe(plant, *motion)
 
 

@@ -23,8 +23,8 @@ from pipeline.signals.frames import joint_columns
 from pipeline.simulate.sensors import position_variance
 from pipeline.workflow.batch import Batch
 from pipeline.workflow.differentiating import JacobianChoice, choose_jacobian, points_of
-from pipeline.workflow.engine import EngineChoice, choose_engine
-from pipeline.workflow.session import Session
+from pipeline.workflow.engine import choose_engine
+from pipeline.workflow.session import EngineChoice, Session
 
 FINER = 4
 """Times as many sub-steps as the filter's make the integration that its transition is held against."""

@@ -17,10 +17,9 @@ from pipeline.paths import IN_CHECKOUT, ROOT
 from pipeline.plant.fmu import open_fmu
 from pipeline.workflow.acquire import data_files
 from pipeline.workflow.building import fmu_files
-from pipeline.workflow.engine import engine_of
 from pipeline.workflow.session import Session
 
-PACKAGES = ("fmpy", "numpy", "scipy", "pandas", "filterpy", "control", "casadi", "rumoca", "bokeh")
+PACKAGES = ("fmpy", "numpy", "scipy", "pandas", "filterpy", "control", "numba", "casadi", "rumoca", "bokeh")
 
 
 def provenance(session: Session) -> dict:
@@ -34,23 +33,30 @@ def provenance(session: Session) -> dict:
         "python": platform.python_version(),
         "platform": platform.platform(),
         "seed": session.experiment.seed,
-        "engine": engine_of(session),
+        "engine": _engines(session),
         "fmus": {path.stem: _identity(path) for path in fmu_files(session)},
         "data": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in data_files(session)},
     }
 
 
+def _engines(session: Session) -> str:
+    """What computed regressor and closed loop, in words."""
+    chosen = {part: session.engines[part].text for part in ("regressor", "closed loop") if part in session.engines}
+    texts = set(chosen.values())
+    return texts.pop() if len(texts) == 1 else "; ".join(f"{part}: {text}" for part, text in chosen.items())
+
+
 def plant_entry(session: Session) -> dict:
     """The plant's FMU as the record's `plant`."""
-    ekf = session.experiment.ekf
+    interface = session.experiment.ekf.interface if session.experiment.ekf else "ME"
     with open_fmu(session.binding.path) as file:
         return {
             "fmu": file.path.name,
             "sha256": file.sha256,
             "guid": file.description.guid,
             "fmi_version": file.description.fmiVersion,
-            "interface": ekf.interface if ekf is not None else "ME",
-            "rung": "A" if ekf is None or ekf.interface == "ME" else "C",
+            "interface": interface[:2],
+            "rung": {"ME": "A", "CS": "C", "CS reset": "E"}[interface],
             "generation_tool": file.description.generationTool,
             "binding": {**msgspec.to_builtins(session.binding), "folder": None},
         }

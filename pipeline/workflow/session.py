@@ -25,11 +25,25 @@ from pipeline.simulate.sensors import position_variance
 
 
 @dataclass(frozen=True)
+class EngineChoice:
+    """The engine `used`, "compiled", "python" or "filterpy"; reason: why it is not the one asked for."""
+
+    used: str
+    reason: str = ""
+
+    @property
+    def text(self) -> str:
+        """One line for people."""
+        words = {"compiled": "compiled", "python": "Python", "filterpy": "filterpy, in the Joseph form"}
+        return f"{words[self.used]} ({self.reason})" if self.reason else words[self.used]
+
+
+@dataclass(frozen=True)
 class Session:
     """What every stage needs: the settings, the binding, the folder that paths are relative to.
 
     narrate: called with a line for the user as each stage ends; data: the folder of the measured files, where the
-    user gave one; stages: CPU seconds by stage; told: what was said once.
+    user gave one; stages: CPU seconds by stage; engines: what computes, by part.
     """
 
     experiment: Experiment
@@ -38,7 +52,7 @@ class Session:
     data: Path | None = None
     narrate: Callable[[str], None] = lambda text: None
     stages: dict[str, float] = field(default_factory=dict)
-    told: set[str] = field(default_factory=set)
+    engines: dict[str, EngineChoice] = field(default_factory=dict)
 
     @property
     def rate(self) -> float:
@@ -69,12 +83,6 @@ class Session:
         if self.measured:
             return None
         return np.array([self.experiment.simulation.truth[name] for name in self.binding.names])
-
-    def tell_once(self, text: str) -> None:
-        """Narrate what is true of the whole session."""
-        if text not in self.told:
-            self.told.add(text)
-            self.narrate(text)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:

@@ -9,12 +9,14 @@ import pandas as pd
 import pytest
 
 from pipeline.plant.compiled import CompiledPlant
+from pipeline.plant.probing import InverseModel
 from pipeline.simulate import coupling_compiled
 from pipeline.workflow.acquire import simulate
 from pipeline.workflow.batch import open_inverse_model, run_variant
 from pipeline.workflow.differentiating import points_of
-from pipeline.workflow.engine import EngineChoice, choose_engine, engine_of
+from pipeline.workflow.engine import choose_engine, loop_engine, regressor_engine
 from pipeline.workflow.filtering import run_case
+from pipeline.workflow.session import EngineChoice
 from tests.figures.scara import session_of
 
 SAMPLES = 400
@@ -73,13 +75,19 @@ def test_without_numba_it_is_python_and_this_is_said(record):
     real = builtins.__import__
 
     def without(name, *rest):
-        if name.startswith("pipeline.plant.compiled"):
+        if name.startswith("pipeline.plant.kernel"):
             raise ImportError("No module named 'numba'")
         return real(name, *rest)
 
     with patch.object(builtins, "__import__", without):
         found = choice(record)
     assert found.used == "python" and "No module named 'numba'" in found.text
+
+
+def test_where_nothing_can_be_compiled_it_is_python(record):
+    with patch("pipeline.plant.kernel.compiles", side_effect=RuntimeError("no executable\nmemory")):
+        found = choice(record)
+    assert found.text == "Python (numba cannot be used: no executable memory)"
 
 
 @pytest.mark.parametrize("entry", [0, 5, -1], ids=["state", "parameter", "input"])
@@ -93,7 +101,7 @@ def test_a_compiled_engine_that_is_off_gives_way_to_python(record, entry):
 
     with patch.object(CompiledPlant, "linearise", wrong):
         found = choice(record)
-    assert found.used == "python" and found.reason.startswith("compiled, the transition or its Jacobian is")
+    assert found.used == "python" and found.reason.startswith("compiled, it is")
 
 
 def test_what_is_chosen_reaches_the_record_and_the_user(record):
@@ -101,20 +109,43 @@ def test_what_is_chosen_reaches_the_record_and_the_user(record):
     session = replace(session_of(), narrate=lines.append)
     frame, best = record
     case = session.experiment.ekf.case[-1]
-    with patch("pipeline.workflow.engine.unavailable", lambda: "numba cannot be imported: gone"):
+    with patch("pipeline.workflow.engine.unavailable", lambda narrate: "numba cannot be imported: gone"):
         found = run_case(session, frame[:50], best, case, "known")
     assert found.engine.used == "python" and "gone" in found.settings["engine"]
     assert len(lines) == 1 and "Python (numba cannot be imported: gone)" in lines[0]
 
 
-def test_of_regressor_and_closed_loop_it_is_said_once():
+def test_of_regressor_and_closed_loop_it_is_said_once(record):
     lines = []
     session = replace(session_of(), narrate=lines.append)
-    assert engine_of(session) == "compiled" and not lines
-    assert engine_of(session_of(1, "engine='python'")) == "python"
-    with patch("pipeline.workflow.engine.unavailable", lambda: "numba cannot be imported: gone"):
-        assert engine_of(session) == engine_of(replace(session)) == "python"
-    assert lines == ["  regressor and closed loop: Python (numba cannot be imported: gone)"]
+    with patch("pipeline.workflow.engine.unavailable", lambda narrate: "numba cannot be used: gone"):
+        for _ in range(2):
+            with open_inverse_model(session, record[0]):
+                pass
+            simulate(session)
+    assert {part: found.used for part, found in session.engines.items()} == {
+        "regressor": "python",
+        "closed loop": "python",
+    }
+    assert lines == [f"  {part}: Python (numba cannot be used: gone)" for part in ("regressor", "closed loop")]
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-7])
+def test_a_regressor_or_a_loop_that_is_off_gives_way_to_python(off):
+    rng = np.random.default_rng(0)
+    motion = rng.normal(size=(3, 20, 2))
+    right = InverseModel.__call__
+
+    def wrong(self, *arguments):
+        D, y0 = right(self, *arguments)
+        return D * (1.0 + off * self._plant.compiled), y0
+
+    with patch.object(InverseModel, "__call__", wrong):
+        assert regressor_engine(session_of(), *motion) == ("python" if off else "compiled")
+    beginning = {"python": np.ones((3, 4)), "compiled": np.full((3, 4), 1.0 + off)}
+    assert loop_engine(session_of(), lambda engine, samples: beginning[engine][:samples]) == (
+        "python" if off else "compiled"
+    )
 
 
 def test_the_loop_is_simulated_by_the_sessions_engine(fmus):
