@@ -53,7 +53,7 @@ def _memory(plant: CompiledPlant, time, q, u, z0, tuning: Tuning, jacobian: str)
     mode, central = MODES[jacobian]
     memory = Memory(filter_fields(n, ns, nx - ns, nq))
     memory.set(input_noise=tuning.input_noise, mode=mode, central=central)
-    memory.set(epsilon=EPSILON["central" if central else "forward"], z=z0, R=tuning.R, noise=tuning.q, G=np.eye(ns, nq))
+    memory.set(epsilon=EPSILON["central" if central else "forward"], z=z0, R=tuning.R, noise=tuning.q, G=np.eye(nq, ns))
     memory.put(time=np.array(time, float), q=np.array(q, float), u=np.array(u, float))
     memory.put(x=np.zeros((N, nx)), P_diag=np.zeros((N, nx)), NIS=np.zeros(N))
     memory.put(innovation=np.zeros((N, n)), S_diag=np.zeros((N, n)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import isfinite, sqrt
 
 from pipeline.plant.kernel import array_at, kernel
+from pipeline.plant.row_kernel import column, row, set_row, zero_row
 from pipeline.plant.transition_kernel import linearise
 
 
@@ -21,8 +22,8 @@ def filter_fields(n: int, ns: int, p: int, nq: int) -> list[tuple]:
     nx = ns + p
     addresses = ("time", "q", "u", "x", "P_diag", "innovation", "S_diag", "NIS")
     arrays = {
-        "R": (n,), "noise": (nq,), "z": (nx,), "P": (nx, nx), "d": (nx,), "G": (ns, nq), "T": (ns, nx), "FU": (nx, ns),
-        "W": (ns + nq, ns), "weight": (ns + nq,), "S": (n, n), "L": (n, n), "K": (nx,), "Ph": (nx,), "M": (nx, nx),
+        "R": (n,), "noise": (nq,), "z": (nx,), "P": (nx, nx), "d": (nx,), "G": (nq, ns), "T": (ns, nx),
+        "W": (ns + nq, ns), "weight": (ns + nq,), "S": (n, n), "L": (n, n), "K": (nx,), "Ph": (nx,), "back": (nx,),
         "v": (n,),
     }  # fmt: skip
     return [
@@ -68,8 +69,8 @@ def _process_noise(m, w):
             S[i, j] = J[nx + j, i] / gain[j] + J[nx + i, j] / gain[i]
     if w.input_noise:
         for j in range(n):
-            for i in range(w.G.shape[0]):
-                w.G[i, j] = J[nx + j, i] / gain[j]
+            for i in range(w.G.shape[1]):
+                w.G[j, i] = J[nx + j, i] / gain[j]
     return cholesky(S, w.L)
 
 
@@ -79,23 +80,21 @@ def _predict_joseph(m, w):
     P, J, T, G, noise = w.P, m.J, w.T, w.G, w.noise
     ns, nx = T.shape
     for i in range(ns):  # T = [A B] P
-        for k in range(nx):
-            T[i, k] = 0.0
+        t = zero_row(T)
         for j in range(nx):
             a = J[j, i]
             if a != 0.0:
-                for k in range(nx):
-                    T[i, k] += a * P[j, k]
+                t += a * row(P, j)
+        set_row(T, i, t)
     for i in range(ns):
-        for j in range(i + 1):
-            value = 0.0
-            for k in range(nx):
-                value += T[i, k] * J[k, j]
-            for k in range(noise.shape[0]):
-                value += G[i, k] * noise[k] * G[j, k]
-            P[i, j] = P[j, i] = value
-        for k in range(ns, nx):
-            P[i, k] = P[k, i] = T[i, k]
+        p = zero_row(J)
+        for k in range(nx):
+            p += T[i, k] * row(J, k)
+        for k in range(noise.shape[0]):
+            p += G[k, i] * noise[k] * row(G, k)
+        set_row(P, i, p)
+    for k in range(ns, nx):
+        set_row(P, k, column(T, k))
 
 
 @kernel
@@ -105,25 +104,21 @@ def _predict_udu(m, w):
     F U = [A Us, A Usp + B Up; 0, Up]: the last columns are those of the new U as they are, and the rows of the states
     are made orthogonal over what is left, W = [A Us, G]. U and W stand transposed.
     """
-    U, d, J, FU, W, weight, G = w.P, w.d, m.J, w.FU, w.W, w.weight, w.G
-    nx, ns = FU.shape
+    U, d, J, W, weight, G = w.P, w.d, m.J, w.W, w.weight, w.G
+    nx, ns = w.z.shape[0], m.f.shape[0]
     for k in range(nx):
-        for i in range(ns):
-            FU[k, i] = 0.0
+        fu = zero_row(J)
         for j in range(k + 1):
-            a = U[k, j]
-            for i in range(ns):
-                FU[k, i] += a * J[j, i]
-    for k in range(ns, nx):
-        for i in range(ns):
-            U[k, i] = FU[k, i]
+            fu += U[k, j] * row(J, j)
+        if k < ns:
+            set_row(W, k, fu)
+        else:
+            set_row(U, k, fu)
     for i in range(ns):
         weight[i] = d[i]
-        for k in range(ns):
-            W[k, i] = FU[k, i]
-        for k in range(G.shape[1]):
-            W[ns + k, i] = G[i, k]
-    for k in range(G.shape[1]):
+    for k in range(G.shape[0]):
+        set_row(W, ns + k, row(G, k))
+    for k in range(G.shape[0]):
         weight[ns + k] = w.noise[k]
     for j in range(ns - 1, -1, -1):
         _orthogonal(U, W, weight, d, j)
@@ -173,12 +168,12 @@ def _innovate(w, k):
 @kernel
 def _update_joseph(w, k):
     """P ← (I − K h) P (I − K h)ᵀ + K r Kᵀ and z with it, for one position after the other."""
-    P, S, R, M, K, Ph, z = w.P, w.S, w.R, w.M, w.K, w.Ph, w.z
+    P, S, R, back, K, Ph, z = w.P, w.S, w.R, w.back, w.K, w.Ph, w.z
     n, nx = R.shape[0], z.shape[0]
     q = array_at(w.q + 8 * k * n, n)
     for i in range(n):
         for j in range(n):
-            S[i, j] = P[n + i, n + j]
+            S[i, j] = P[n + max(i, j), n + min(i, j)]
         S[i, i] += R[i]
     if not _innovate(w, k):
         return False
@@ -186,20 +181,18 @@ def _update_joseph(w, k):
         h = n + i
         variance, residual = P[h, h] + R[i], q[i] - z[h]
         for a in range(nx):
-            Ph[a] = P[h, a]
-            K[a] = Ph[a] / variance
-            z[a] += K[a] * residual
+            Ph[a] = P[max(a, h), min(a, h)]
+        ph = row(Ph, 0)
+        gain = ph / variance
+        mh = ph - gain * Ph[h]
+        set_row(K, 0, gain)
+        set_row(back, 0, gain * R[i] - mh)
+        set_row(z, 0, row(z, 0) + gain * residual)
         for a in range(nx):
-            for b in range(nx):
-                M[a, b] = P[a, b] - K[a] * Ph[b]
-        for a in range(nx):
-            factor = K[a] * R[i] - M[a, h]
-            for b in range(a + 1):
-                value = M[a, b] + factor * K[b]
-                P[a, b] = 0.0 if abs(value) < TINY and b < a else value
-        for a in range(nx):
-            for b in range(a):
-                P[b, a] = P[a, b]
+            set_row(P, a, row(P, a) - K[a] * ph + back[a] * gain)
+    for a in range(nx):
+        for b in range(a):
+            P[a, b] = P[b, a] = 0.0 if abs(P[a, b]) < TINY else P[a, b]
     for a in range(nx):
         if not P[a, a] > 0.0:
             return False
@@ -209,7 +202,7 @@ def _update_joseph(w, k):
 @kernel
 def _update_udu(w, k):
     """Bierman's update by one position after the other, and z with it. U stands transposed."""
-    U, d, R, S, z, b = w.P, w.d, w.R, w.S, w.z, w.K
+    U, d, R, S, z = w.P, w.d, w.R, w.S, w.z
     n, nx = R.shape[0], z.shape[0]
     q = array_at(w.q + 8 * k * n, n)
     for i in range(n):
@@ -223,19 +216,16 @@ def _update_udu(w, k):
         return False
     for i in range(n):
         residual, alpha = q[i] - z[n + i], R[i]
-        for a in range(nx):
-            b[a] = 0.0
+        b = zero_row(U)
         for a in range(n + i, nx):
             f, before = U[a, n + i], alpha
             v, factor = d[a] * f, f / before
             alpha += f * v
             d[a] *= before / alpha
-            for c in range(nx):  # b is 0 from a on, and U's rest: loops of constant length are the fast ones
-                kept = U[a, c]
-                U[a, c] = kept - b[c] * factor
-                b[c] += v * kept
-        for a in range(nx):
-            z[a] += b[a] / alpha * residual
+            kept = row(U, a)
+            set_row(U, a, kept - b * factor)
+            b += v * kept
+        set_row(z, 0, row(z, 0) + b / alpha * residual)
     return True
 
 
