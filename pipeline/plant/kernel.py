@@ -19,8 +19,9 @@ from pipeline.paths import PACKAGE, kernel_cache
 
 
 def fingerprint() -> str:
-    """What the text of every file of kernels comes to, 16 hex digits."""
-    text = b"".join(file.read_bytes() for file in sorted(PACKAGE.glob("*/*kernel.py")))
+    """What the text of every file of kernels, and of that with their constants, comes to: 16 hex digits."""
+    files = [*sorted(PACKAGE.glob("*/*kernel.py")), PACKAGE / "plant" / "fmu.py"]
+    text = b"".join(file.read_bytes() for file in files)
     return sha256(text + numba.__version__.encode()).hexdigest()[:16]
 
 

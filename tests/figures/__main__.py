@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 
-from tests.figures import commands, emps, fmus, scara
+from tests.figures import commands, emps, engines, fmus, scara
 
-SECTIONS = {"FMUs": fmus, "SCARA": scara, "EMPS": emps, "Commands": commands}
+SECTIONS = {"FMUs": fmus, "SCARA": scara, "EMPS": emps, "Engines": engines, "Commands": commands}
 
 
 def main(names: list[str]) -> int:
