@@ -8,7 +8,7 @@ import re
 import casadi as ca
 
 from pipeline.export.c_text import lean
-from pipeline.export.equations import INTERNAL_STEP, Model, column
+from pipeline.export.equations import INTERNAL, Model, column
 from pipeline.export.model_description_fmi3 import indicator_names
 from pipeline.export.sensitivities import sensitivities
 from pipeline.export.variables import KINDS, Variable
@@ -75,8 +75,8 @@ def counts(model: Model, n_recalled: int) -> str:
         "N_RECALLED": n_recalled,
     }
     names = [variable.name for kind in ("constant", "parameter") for variable in model.variables[kind]]
-    if INTERNAL_STEP in names:
-        numbers["INTERNAL_STEP"] = names.index(INTERNAL_STEP)
+    macros = dict(zip(INTERNAL, ("INTERNAL_STEP", "INTERNAL_ORDER"), strict=True))
+    numbers |= {macros[name]: index for index, name in enumerate(names) if name in macros}
     return HEADER.format(model.name) + "".join(f"#define {name} {value}\n" for name, value in numbers.items())
 
 

@@ -26,7 +26,8 @@ from pipeline.export.starts import read_starts
 from pipeline.export.units import per_second
 from pipeline.export.variables import COORDINATE, KINDS, Entry, Variable, apply_limits, declare
 
-INTERNAL_STEP = "internalStep"
+INTERNAL = ("internalStep", "internalOrder")
+"""The parameters of Co-Simulation that every integrated model gets beside its own."""
 
 
 @dataclass(frozen=True)
@@ -114,11 +115,11 @@ def _translate(source: Source, start_values: dict[str, float]) -> Model:
     )
     mark_tunable(model, parameters.expressions)
     if n or any(relation.instant is None and ca.depends_on(relation.indicator, time) for relation in events.relations):
-        if any(variable.name == INTERNAL_STEP for members in variables.values() for variable in members):
-            raise source.refuse(
-                f"a variable named {INTERNAL_STEP} would hide the parameter of Co-Simulation: rename it"
-            )
-        model.variables["parameter"].append(_internal_step())
+        taken = {variable.name for members in variables.values() for variable in members}
+        for name in INTERNAL:
+            if name in taken:
+                raise source.refuse(f"a variable named {name} would hide the parameter of Co-Simulation: rename it")
+        model.variables["parameter"] += [_internal_step(), _internal_order()]
     return model
 
 
@@ -224,7 +225,16 @@ def mark_tunable(model: Model, calculated: dict[str, ca.SX]) -> None:
 
 
 def _internal_step() -> Variable:
+    name = INTERNAL[0]
     return Variable(
-        INTERNAL_STEP, "parameter", ca.SX.sym(INTERNAL_STEP), tunable=True, start=2.5e-4, unit="s", minimum=1e-9,
-        quantity="Time", description="Longest internal step of Co-Simulation (Runge-Kutta of order 4)",
+        name, "parameter", ca.SX.sym(name), tunable=True, start=2.5e-4, unit="s", minimum=1e-9, quantity="Time",
+        description="Longest internal step of Co-Simulation",
+    )  # fmt: skip
+
+
+def _internal_order() -> Variable:
+    name = INTERNAL[1]
+    return Variable(
+        name, "parameter", ca.SX.sym(name), tunable=True, start=4.0, minimum=1.0, maximum=4.0,
+        description="Order of Co-Simulation's internal steps: 4 (Runge-Kutta) or 1 (explicit Euler)",
     )  # fmt: skip

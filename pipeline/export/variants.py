@@ -12,7 +12,7 @@ from dataclasses import replace
 import casadi as ca
 
 from pipeline.errors import ExportError
-from pipeline.export.equations import INTERNAL_STEP, Model, column
+from pipeline.export.equations import INTERNAL, Model, column
 from pipeline.export.events import Events
 from pipeline.export.relations import Relation
 from pipeline.export.variables import Variable
@@ -56,8 +56,8 @@ def with_inputs(model: Model, names: Sequence[str]) -> Model:
 def find_parameter(model: Model, name: str) -> Variable:
     """The settable parameter of this name, which no sample period follows from."""
     parameters = {variable.name: variable for variable in model.variables["parameter"]}
-    if name not in parameters or name == INTERNAL_STEP:
-        own = ", ".join(other for other in parameters if "." not in other and other != INTERNAL_STEP)
+    if name not in parameters or name in INTERNAL:
+        own = ", ".join(other for other in parameters if "." not in other and other not in INTERNAL)
         raise ExportError(f"{model.name}: {name} is no parameter that could become an input; there are {own}")
     if any(ca.depends_on(value, parameters[name].symbol) for clock in model.events.clocks for value in clock):
         raise ExportError(f"{model.name}: a sample period follows from {name}, which cannot become an input")

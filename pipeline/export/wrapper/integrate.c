@@ -1,4 +1,4 @@
-/* Co-Simulation: fourth-order Runge-Kutta with a fixed step, from event to event. */
+/* Co-Simulation: fourth-order Runge-Kutta or explicit Euler with a fixed step, from event to event. */
 #include "instance.h"
 
 #include <float.h>
@@ -6,6 +6,16 @@
 #include <string.h>
 
 #define MAX_EVENTS 1000
+
+/* A step of h from the states x at a time to those next. */
+typedef bool Method(Instance *c, double time, double h, const double *x, double *next);
+
+static bool euler(Instance *c, double time, double h, const double *x, double *next) {
+    double k[N_STATES + 1];
+    derivatives(c, time, x, k);
+    for (size_t i = 0; i < N_STATES; i++) next[i] = x[i] + h * k[i];
+    return finite_derivatives(c, time, k);
+}
 
 static bool runge_kutta(Instance *c, double time, double h, const double *x, double *next) {
     double k1[N_STATES + 1], k2[N_STATES + 1], k3[N_STATES + 1], k4[N_STATES + 1], stage[N_STATES + 1];
@@ -37,45 +47,47 @@ static bool switched(Instance *c) {
 }
 
 /* A step in which relations may switch: on to the first switch (by bisection), and the event there, until h is done. */
-static bool step_with_events(Instance *c, double h) {
+static bool step_with_events(Instance *c, Method *method, double h) {
     double x[N_STATES + 1], next[N_STATES + 1];
     double end = c->memory.time + h;
     for (int k = 0; k < MAX_EVENTS; k++) {
         double time = c->memory.time, low = 0, high = end - time;
         if (!(high > 0)) return true;
         memcpy(x, X(c), N_STATES * sizeof *x);
-        if (!runge_kutta(c, time, high, x, next)) return false;
+        if (!method(c, time, high, x, next)) return false;
         move(c, end, next);
         if (!switched(c)) return true;
         while (high - low > 4e-16 * (fabs(time) + high)) {
             double middle = low + (high - low) / 2;
             if (middle <= low || middle >= high) break;
-            if (!runge_kutta(c, time, middle, x, next)) return false;
+            if (!method(c, time, middle, x, next)) return false;
             move(c, time + middle, next);
             if (switched(c)) high = middle; else low = middle;
         }
-        if (!runge_kutta(c, time, high, x, next)) return false;
+        if (!method(c, time, high, x, next)) return false;
         move(c, high == end - time ? end : time + high, next);
         if (!handle_event(c, false)) return false;
     }
     return fail(c, "%d events within %g s before time %g s: relations keep switching", MAX_EVENTS, h, end);
 }
 
-/* Integrate over a duration in equal steps, none longer than internalStep. */
+/* Integrate over a duration in equal steps of internalOrder, none longer than internalStep. */
 static bool integrate(Instance *c, double duration) {
 #ifdef INTERNAL_STEP  /* there are states, or relations that time switches */
     double next[N_STATES + 1];
     double start = c->memory.time;
-    double longest = P(c)[INTERNAL_STEP];
+    double longest = P(c)[INTERNAL_STEP], order = P(c)[INTERNAL_ORDER];
     if (!(longest > 0)) return fail(c, "internalStep is %g s: it must be positive", longest);
+    if (order != 4 && order != 1) return fail(c, "internalOrder is %g: it must be 4 (Runge-Kutta) or 1 (Euler)", order);
+    Method *method = order == 4 ? runge_kutta : euler;
     double n = fmax(1, ceil(duration / longest - 1e-9)), h = duration / n;
     refresh(c, 0);
     for (double i = 0; i < n; i++) {
         if (N_RELATIONS > 0) {
-            if (!step_with_events(c, start + (i + 1) * h - c->memory.time)) return false;
+            if (!step_with_events(c, method, start + (i + 1) * h - c->memory.time)) return false;
         } else {
             double time = start + i * h;
-            if (!runge_kutta(c, time, h, X(c), next)) return false;
+            if (!method(c, time, h, X(c), next)) return false;
             move(c, start + (i + 1) * h, next);
         }
     }
