@@ -68,6 +68,7 @@ def test_names_and_descriptions_are_escaped(root):
         "J": ("parameter", "tunable", "exact"),
         "start": ("parameter", "fixed", "exact"),
         "internalStep": ("parameter", "tunable", "exact"),
+        "internalOrder": ("parameter", "tunable", "exact"),
         "q": ("local", "continuous", "calculated"),
         "qd": ("local", "continuous", "exact"),
         "der(qd)": ("local", "continuous", "calculated"),

@@ -28,7 +28,7 @@ def test_derived_final_and_constant_parameters(tmp_path):
         "g": "constant", "m": "parameter", "k": "calculated", "twice": "calculated", "fixed": "constant",
         "on": "constant",
     }  # fmt: skip
-    assert {v.name for v in model.variables["parameter"] if v.tunable} == {"m", "internalStep"}
+    assert {v.name for v in model.variables["parameter"] if v.tunable} == {"m", "internalStep", "internalOrder"}
     values = evaluate(model, m=3.0)
     assert values["der(x)"] == pytest.approx(-2 * 3 * 9.81 * (3 * 9.81 / 10) + 4)
 
@@ -54,7 +54,7 @@ def test_parameters_of_a_running_model_are_tunable_but_those_of_sample_periods_a
     end M;
     """
     tunable = {v.name for v in model_of(tmp_path, text).variables["parameter"] if v.tunable}
-    assert tunable == {"gain", "level", "limit", "internalStep"}
+    assert tunable == {"gain", "level", "limit", "internalStep", "internalOrder"}
 
 
 def test_start_values_replace_bindings(tmp_path):

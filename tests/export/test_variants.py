@@ -122,6 +122,7 @@ def test_a_time_event_that_follows_from_such_a_parameter_follows_the_input(tmp_p
     [
         ("mass", "mass is no parameter that could become an input; there are m, T"),
         ("internalStep", "internalStep is no parameter that could become an input"),
+        ("internalOrder", "internalOrder is no parameter that could become an input"),
         ("n", "n is no parameter that could become an input"),
         ("T", "a sample period follows from T, which cannot become an input"),
     ],

@@ -67,6 +67,19 @@ def test_co_simulation_and_model_exchange_agree(scara):
             np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.parametrize("engine", ["compiled", "python"])
+@pytest.mark.parametrize("interface", ["CS", "CS reset"])
+def test_a_binding_makes_the_internal_steps_eulers(scara, interface, engine):
+    steps = {**scara.set, "internalStep": 1e-3, "internalOrder": 1}
+    binding = msgspec.structs.replace(scara, set=steps)
+    with open_plant(scara, method="euler") as me, open_plant(binding, interface=interface, engine=engine) as cs:
+        for s, u in POINTS:
+            expected = s
+            for k in range(10):
+                expected = me.transition(expected, u, CHI, 0.3 + k * 1e-3, 1e-3)
+            np.testing.assert_allclose(cs.transition(s, u, CHI, 0.3, 0.01), expected, rtol=1e-13, atol=1e-14)
+
+
 @pytest.mark.parametrize("interface", ["ME", "CS"])
 def test_a_transition_depends_on_its_arguments_alone(scara, interface):
     """Whatever came before, the same arguments give the same bits."""

@@ -78,7 +78,7 @@ static bool integrate(Instance *c, double duration) {
     double start = c->memory.time;
     double longest = P(c)[INTERNAL_STEP], order = P(c)[INTERNAL_ORDER];
     if (!(longest > 0)) return fail(c, "internalStep is %g s: it must be positive", longest);
-    if (order != 4 && order != 1) return fail(c, "internalOrder is %g: it must be 4 (Runge-Kutta) or 1 (Euler)", order);
+    if (order != 4 && order != 1) return fail(c, "internalOrder is %g: it must be 4 (Runge-Kutta) or 1 (explicit Euler)", order);
     Method *method = order == 4 ? runge_kutta : euler;
     double n = fmax(1, ceil(duration / longest - 1e-9)), h = duration / n;
     refresh(c, 0);
