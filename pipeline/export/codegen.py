@@ -9,6 +9,7 @@ import casadi as ca
 
 from pipeline.export.c_text import lean
 from pipeline.export.equations import INTERNAL, Model, column
+from pipeline.export.model_description import listed, restarted, symbols
 from pipeline.export.model_description_fmi3 import indicator_names
 from pipeline.export.sensitivities import sensitivities
 from pipeline.export.variables import KINDS, Variable
@@ -72,6 +73,7 @@ def counts(model: Model, n_recalled: int) -> str:
         "N_INSTANTS": len(instants(model)),
         "N_CLOCKS": len(model.events.clocks),
         "N_ASSERTIONS": len(model.events.messages),
+        "N_REINITS": len(restarted(model)),
         "N_RECALLED": n_recalled,
     }
     names = [variable.name for kind in ("constant", "parameter") for variable in model.variables[kind]]
@@ -89,6 +91,7 @@ def tables(model: Model, guid: str) -> str:
     ]
     rows += [f"    {{{quote(name)}, COMPUTED, REAL, 0.0}}," for name in indicator_names(model)]
     nominals = ", ".join(repr(v.nominal or 1.0) for v in model.variables["state"])
+    places = ", ".join(map(str, sources(model)))
     messages = ", ".join(map(quote, model.events.messages))
     return "\n".join(
         [
@@ -99,9 +102,17 @@ def tables(model: Model, guid: str) -> str:
             *rows,
             '    {"time", INDEPENDENT, REAL, 0.0}};',
             f"const double NOMINALS[] = {{{nominals or 0}}};",
+            f"const unsigned SOURCES[] = {{{places or 0}}};",
             f"const char *const ASSERTIONS[] = {{{messages or 0}}};",
         ]
     )
+
+
+def sources(model: Model) -> list[int]:
+    """Value references of what holds the value of each algebraic variable: itself, unless its equation is y = x."""
+    references = {variable.name: reference for reference, variable in enumerate(listed(model))}
+    pairs = zip(model.variables["algebraic"], symbols(model.algebraics), strict=True)
+    return [references.get(value.name() if value.is_symbolic() else y.name, references[y.name]) for y, value in pairs]
 
 
 def c_kind(variable: Variable) -> str:

@@ -75,7 +75,7 @@ static void start_values(Instance *c, const double **arguments) {
 static void start_relations(Instance *c, const double **arguments) {
     double truth[N_RELATIONS + 1];
     double *results[] = {truth, W(c)};
-    for (int k = 0; k < MAX_ITERATIONS; k++) {
+    for (int k = 0; N_RELATIONS > 0 && k < MAX_ITERATIONS; k++) {
         evaluate(c, model_relations, arguments, results);
         bool settled = !memcmp(truth, c->memory.relations, N_RELATIONS * sizeof *truth);
         memcpy(c->memory.relations, truth, N_RELATIONS * sizeof *truth);
@@ -107,20 +107,9 @@ void refresh(Instance *c, int what) {
     m->stale &= ~what;
 }
 
-/* Derivatives at any time and state, with the inputs and parameters of the instance, whose calculated parameters are
-   up to date. */
-void derivatives(Instance *c, double time, const double *x, double *dx) {
-    const double *arguments[] = {&time, x, U(c), P(c), Z(c), c->memory.relations};
-    double *results[] = {dx};
-    evaluate(c, model_derivatives, arguments, results);
-}
-
-bool finite_derivatives(Instance *c, double time, const double *dx) {
-    for (size_t i = 0; i < N_STATES; i++)
-        if (!isfinite(dx[i]))
-            return fail(c, "%s is %s at time %g s: check parameters, inputs and states",
-                        VARIABLES[FIRST_DERIVATIVE + i].name, not_finite(dx[i]), time);
-    return true;
+bool wrong_derivative(Instance *c, double time, size_t i, double value) {
+    return fail(c, "%s is %s at time %g s: check parameters, inputs and states", VARIABLES[FIRST_DERIVATIVE + i].name,
+                not_finite(value), time);
 }
 
 void indicators(Instance *c, double *truth, double *indicator) {

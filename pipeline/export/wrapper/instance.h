@@ -2,6 +2,7 @@
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -73,9 +74,22 @@ void changed(Instance *c, bool parameter);  /* a value was set */
 void set_time(Instance *c, double time);
 void set_states(Instance *c, const double *x);
 void refresh(Instance *c, int what);   /* compute what is stale */
-void derivatives(Instance *c, double time, const double *x, double *dx);
-bool finite_derivatives(Instance *c, double time, const double *dx);
 void indicators(Instance *c, double *truth, double *indicator);
+
+/* Derivatives at any time and state, with the inputs and parameters of the instance, whose calculated parameters are
+   up to date. */
+static inline void derivatives(Instance *c, double time, const double *x, double *dx) {
+    const double *arguments[] = {&time, x, U(c), P(c), Z(c), c->memory.relations};
+    double *results[] = {dx};
+    evaluate(c, model_derivatives, arguments, results);
+}
+
+bool wrong_derivative(Instance *c, double time, size_t i, double value);
+static inline bool finite_derivatives(Instance *c, double time, const double *dx) {
+    for (size_t i = 0; i < N_STATES; i++)
+        if (!isfinite(dx[i])) return wrong_derivative(c, time, i, dx[i]);
+    return true;
+}
 
 /* values.c */
 bool get_values(Instance *c, const unsigned *references, size_t n, Type type, double *values);

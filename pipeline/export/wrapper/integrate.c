@@ -7,14 +7,15 @@
 
 #define MAX_EVENTS 1000
 
-/* A step of h from the states x at a time to those next. */
+/* A step of h from the states x at a time to those next, which may be x itself. */
 typedef bool Method(Instance *c, double time, double h, const double *x, double *next);
 
 static bool euler(Instance *c, double time, double h, const double *x, double *next) {
     double k[N_STATES + 1];
     derivatives(c, time, x, k);
+    if (!finite_derivatives(c, time, k)) return false;
     for (size_t i = 0; i < N_STATES; i++) next[i] = x[i] + h * k[i];
-    return finite_derivatives(c, time, k);
+    return true;
 }
 
 static bool runge_kutta(Instance *c, double time, double h, const double *x, double *next) {
@@ -27,11 +28,10 @@ static bool runge_kutta(Instance *c, double time, double h, const double *x, dou
     derivatives(c, time + h / 2, stage, k3);
     for (size_t i = 0; i < N_STATES; i++) stage[i] = x[i] + h * k3[i];
     derivatives(c, time + h, stage, k4);
-    for (size_t i = 0; i < N_STATES; i++) {
-        k4[i] = (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]) / 6;
-        next[i] = x[i] + h * k4[i];
-    }
-    return finite_derivatives(c, time, k4);
+    for (size_t i = 0; i < N_STATES; i++) k4[i] = (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]) / 6;
+    if (!finite_derivatives(c, time, k4)) return false;
+    for (size_t i = 0; i < N_STATES; i++) next[i] = x[i] + h * k4[i];
+    return true;
 }
 
 static void move(Instance *c, double time, const double *x) {
@@ -71,24 +71,25 @@ static bool step_with_events(Instance *c, Method *method, double h) {
     return fail(c, "%d events within %g s before time %g s: relations keep switching", MAX_EVENTS, h, end);
 }
 
-/* Integrate over a duration in equal steps of internalOrder, none longer than internalStep. */
+/* Integrate over a duration in equal steps of internalOrder, none longer than internalStep. What follows from the
+   states is stale before and after. */
 static bool integrate(Instance *c, double duration) {
 #ifdef INTERNAL_STEP  /* there are states, or relations that time switches */
-    double next[N_STATES + 1];
     double start = c->memory.time;
     double longest = P(c)[INTERNAL_STEP], order = P(c)[INTERNAL_ORDER];
     if (!(longest > 0)) return fail(c, "internalStep is %g s: it must be positive", longest);
     if (order != 4 && order != 1) return fail(c, "internalOrder is %g: it must be 4 (Runge-Kutta) or 1 (explicit Euler)", order);
     Method *method = order == 4 ? runge_kutta : euler;
-    double n = fmax(1, ceil(duration / longest - 1e-9)), h = duration / n;
+    double n = ceil(duration / longest - 1e-9);
+    if (!(n > 1)) n = 1;
+    double h = duration / n;
     refresh(c, 0);
     for (double i = 0; i < n; i++) {
         if (N_RELATIONS > 0) {
             if (!step_with_events(c, method, start + (i + 1) * h - c->memory.time)) return false;
         } else {
-            double time = start + i * h;
-            if (!method(c, time, h, X(c), next)) return false;
-            move(c, start + (i + 1) * h, next);
+            if (!method(c, start + i * h, h, X(c), X(c))) return false;
+            c->memory.time = start + (i + 1) * h;
         }
     }
 #endif
@@ -104,7 +105,7 @@ bool step_allowed(Instance *c, double time, double step) {
     if (!isfinite(time) || !isfinite(step))
         return fail(c, "the time or the communication step is %s", not_finite(time + step));
     if (step < 0) return fail(c, "the communication step is %g s at time %g s: it must not be negative", step, time);
-    if (fabs(time - c->memory.time) > slack(time, step))
+    if (time != c->memory.time && fabs(time - c->memory.time) > slack(time, step))
         return fail(c, "the step starts at %.9g s, but the instance stands at %.9g s", time, c->memory.time);
     return true;
 }

@@ -43,6 +43,7 @@ extern const char *const MODEL_NAME;
 extern const char *const MODEL_GUID;
 extern const Variable VARIABLES[];
 extern const double NOMINALS[];         /* of the states */
+extern const unsigned SOURCES[];        /* where the value of each algebraic variable stands: y = x has x's */
 extern const char *const ASSERTIONS[];  /* the message of each */
 
 typedef int ModelFunction(const double **arguments, double **results, long long *, double *recalled, int);

@@ -45,9 +45,11 @@ static double value_of(Instance *c, unsigned reference) {
     if (reference == TIME) return c->memory.time;
     if (reference >= FIRST_INDICATOR)
         indicators(c, truth, W(c));
-    else if (reference >= FIRST_ALGEBRAIC)
+    else if (reference >= FIRST_ALGEBRAIC) {
+        unsigned source = SOURCES[reference - FIRST_ALGEBRAIC];
+        if (source != reference) return c->memory.values[source];
         refresh(c, STALE_ALGEBRAICS);
-    else if (reference >= FIRST_DERIVATIVE)
+    } else if (reference >= FIRST_DERIVATIVE)
         refresh(c, STALE_DERIVATIVES);
     return c->memory.values[reference];
 }
