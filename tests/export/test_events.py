@@ -222,6 +222,14 @@ end M;
 """
 
 
+@pytest.mark.parametrize("interface", ["co_simulation", "model_exchange"])
+def test_a_model_with_no_other_event_has_that_of_its_initialisation(tmp_path, interface):
+    text = """model M Real x(start=1, fixed=true); equation der(x) = 0;
+      when initial() then reinit(x, 3*pre(x)); end when; end M;"""
+    with getattr(archive_of(tmp_path, text), interface)() as instance:
+        assert instance.get("x") == [3.0]
+
+
 def test_a_time_event_is_announced_and_met(tmp_path):
     with archive_of(tmp_path, TIMED).model_exchange(t0=0.1234) as instance:
         announced = [instance.next_event]

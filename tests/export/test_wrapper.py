@@ -213,6 +213,23 @@ def test_a_failed_step_leaves_the_last_good_state(archive):
         assert (instance.get("x", "v") == before).all()
 
 
+def test_an_output_that_is_another_variable_has_its_value_at_any_time(tmp_path):
+    text = """model M parameter Real p=2; parameter Real c=2*p; input Real u; Real x(start=1, fixed=true);
+      discrete Real d(start=5, fixed=true); output Real[6] y={x, d, u, p, c, time}; output Real z=y[1];
+      equation der(x) = 1; when sample(0.5, 1) then d = pre(d) + 1; end when; end M;"""
+    archive = archive_of(tmp_path, text)
+    names = [*(f"y[{k}]" for k in range(1, 7)), "z"]
+    with archive.initialization_mode(interface="coSimulation", p=3.0, x=7.0) as instance:
+        assert list(instance.get(*names)) == [7, 5, 0, 3, 6, 0, 7]
+    with archive.co_simulation() as instance:
+        instance.step(0.0, 0.75)
+        instance.set(u=4.0, p=8.0)
+        assert instance.get(*names) == pytest.approx([1.75, 6, 4, 8, 16, 0.75, 1.75])
+        instance.set(x=-1.0)
+        assert instance.get("y[1]", "z", "x") == pytest.approx([-1, -1, -1])
+    archive.close()
+
+
 def test_another_guid_is_not_instantiated(archive):
     identifier = archive.description.coSimulation.modelIdentifier
     fmu = FMU2Slave(guid="{0}", unzipDirectory=archive.folder, modelIdentifier=identifier, instanceName="test")
