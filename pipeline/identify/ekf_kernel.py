@@ -6,10 +6,10 @@ sizes, which are constants of the machine code; what grows with the samples stan
 
 from __future__ import annotations
 
-from math import isfinite, sqrt
+from math import isfinite
 
 from pipeline.plant.kernel import array_at, kernel
-from pipeline.plant.row_kernel import column, row, set_row, zero_row
+from pipeline.plant.row_kernel import column, row, set_row, symmetric_row, unit_row, without_tiny, zero_row
 from pipeline.plant.transition_kernel import linearise
 
 
@@ -23,7 +23,8 @@ def filter_fields(n: int, ns: int, p: int, nq: int) -> list[tuple]:
     addresses = ("time", "q", "u", "x", "P_diag", "innovation", "S_diag", "NIS")
     arrays = {
         "R": (n,), "noise": (nq,), "z": (nx,), "P": (nx, nx), "d": (nx,), "G": (nq, ns), "T": (ns, nx),
-        "W": (ns + nq, ns), "weight": (ns + nq,), "S": (n, n), "L": (n, n), "K": (nx,), "Ph": (nx,), "back": (nx,),
+        "W": (ns + nq, ns), "weight": (ns + nq,), "S": (n, n), "L": (n, n), "K": (nx,), "back": (nx,),
+        "diagonal": (nx,),
         "v": (n,),
     }  # fmt: skip
     return [
@@ -41,19 +42,19 @@ TINY = 1e-150
 
 
 @kernel
-def cholesky(S, L):
-    """S = L Lᵀ: whether S is positive definite."""
+def factor(S, L):
+    """S = L D Lᵀ, L unit lower triangular but for D on its diagonal: whether S is positive definite."""
     for i in range(S.shape[0]):
-        for j in range(i + 1):
+        pivot = S[i, i]
+        for j in range(i):
             value = S[i, j]
             for k in range(j):
-                value -= L[i, k] * L[j, k]
-            if i != j:
-                L[i, j] = value / L[j, j]
-            elif value > 0.0:
-                L[i, i] = sqrt(value)
-            else:
-                return False
+                value -= L[i, k] * L[k, k] * L[j, k]
+            L[i, j] = value / L[j, j]
+            pivot -= L[i, j] * value
+        L[i, i] = pivot
+        if not pivot > 0.0:
+            return False
     return True
 
 
@@ -71,12 +72,12 @@ def _process_noise(m, w):
         for j in range(n):
             for i in range(w.G.shape[1]):
                 w.G[j, i] = J[nx + j, i] / gain[j]
-    return cholesky(S, w.L)
+    return factor(S, w.L)
 
 
 @kernel
 def _predict_joseph(m, w):
-    """P ← F P Fᵀ + G diag(q) Gᵀ; of P only the rows and columns of the states change."""
+    """P ← F P Fᵀ + G diag(q) Gᵀ in P's lower triangle, of which only the columns of the states change."""
     P, J, T, G, noise = w.P, m.J, w.T, w.G, w.noise
     ns, nx = T.shape
     for i in range(ns):  # T = [A B] P
@@ -126,24 +127,20 @@ def _predict_udu(m, w):
 
 @kernel
 def _orthogonal(U, W, weight, d, j):
-    """d[j] and column j of U; what the rows of W above j have of row j is taken off."""
-    d[j] = 0.0
-    for i in range(j):
-        U[j, i] = 0.0
+    """d[j] and column j of U; what the rows of W above j have of row j is taken off. Those from j on are done with."""
+    u, length = zero_row(W), 0.0
     for k in range(W.shape[0]):
         v = weight[k] * W[k, j]
-        d[j] += W[k, j] * v
-        for i in range(j):
-            U[j, i] += W[k, i] * v
-    if not d[j] > 0.0:
-        for i in range(j):
-            U[j, i] = 0.0
+        length += W[k, j] * v
+        u += v * row(W, k)
+    d[j] = length
+    if not length > 0.0:
+        set_row(U, j, unit_row(zero_row(W), j))
         return
-    for i in range(j):
-        U[j, i] /= d[j]
+    u = unit_row(u / length, j)
+    set_row(U, j, u)
     for k in range(W.shape[0]):
-        for i in range(j):
-            W[k, i] -= U[j, i] * W[k, j]
+        set_row(W, k, row(W, k) - u * W[k, j])
 
 
 @kernel
@@ -152,23 +149,25 @@ def _innovate(w, k):
     S, L, v, z, n = w.S, w.L, w.v, w.z, w.R.shape[0]
     q, found = array_at(w.q + 8 * k * n, n), array_at(w.innovation + 8 * k * n, n)
     S_diag, NIS = array_at(w.S_diag + 8 * k * n, n), 0.0
-    if not cholesky(S, L):
+    if not factor(S, L):
         return False
     for i in range(n):
         found[i], S_diag[i] = q[i] - z[n + i], S[i, i]
         v[i] = found[i]
         for j in range(i):
             v[i] -= L[i, j] * v[j]
-        v[i] /= L[i, i]
-        NIS += v[i] * v[i]
+        NIS += v[i] * v[i] / L[i, i]
     array_at(w.NIS, k + 1)[k] = NIS
     return True
 
 
 @kernel
 def _update_joseph(w, k):
-    """P ← (I − K h) P (I − K h)ᵀ + K r Kᵀ and z with it, for one position after the other."""
-    P, S, R, back, K, Ph, z = w.P, w.S, w.R, w.back, w.K, w.Ph, w.z
+    """P ← (I − K h) P (I − K h)ᵀ + K r Kᵀ and z with it, for one position after the other.
+
+    Of P the lower triangle counts; the upper one is made its mirror image in the end.
+    """
+    P, S, R, K, back, z = w.P, w.S, w.R, w.K, w.back, w.z
     n, nx = R.shape[0], z.shape[0]
     q = array_at(w.q + 8 * k * n, n)
     for i in range(n):
@@ -180,16 +179,13 @@ def _update_joseph(w, k):
     for i in range(n):
         h = n + i
         variance, residual = P[h, h] + R[i], q[i] - z[h]
-        for a in range(nx):
-            Ph[a] = P[max(a, h), min(a, h)]
-        ph = row(Ph, 0)
-        gain = ph / variance
-        mh = ph - gain * Ph[h]
+        Ph = symmetric_row(P, h)
+        gain = Ph / variance
         set_row(K, 0, gain)
-        set_row(back, 0, gain * R[i] - mh)
+        set_row(back, 0, gain * R[i] - (Ph - gain * P[h, h]))
         set_row(z, 0, row(z, 0) + gain * residual)
         for a in range(nx):
-            set_row(P, a, row(P, a) - K[a] * ph + back[a] * gain)
+            set_row(P, a, row(P, a) - K[a] * Ph + back[a] * gain)
     for a in range(nx):
         for b in range(a):
             P[a, b] = P[b, a] = 0.0 if abs(P[a, b]) < TINY else P[a, b]
@@ -235,15 +231,18 @@ def _note(w, k):
     z, P, d, nx = w.z, w.P, w.d, w.z.shape[0]
     x, P_diag = array_at(w.x + 8 * k * nx, nx), array_at(w.P_diag + 8 * k * nx, nx)
     total = array_at(w.NIS, k + 1)[k]
-    for a in range(nx):
-        P_diag[a] = 0.0 if w.udu else P[a, a]
     if w.udu:
+        diagonal = zero_row(P)
         for b in range(nx):
-            for a in range(nx):
-                P[b, a] = 0.0 if abs(P[b, a]) < TINY else P[b, a]
-                P_diag[a] += P[b, a] * P[b, a] * d[b]
+            u = without_tiny(row(P, b), TINY)
+            set_row(P, b, u)
+            diagonal += u * u * d[b]
+        set_row(w.diagonal, 0, diagonal)
+    else:
+        for a in range(nx):
+            w.diagonal[a] = P[a, a]
     for a in range(nx):
-        x[a] = z[a]
+        x[a], P_diag[a] = z[a], w.diagonal[a]
         total += x[a] + P_diag[a]
     return isfinite(total)
 

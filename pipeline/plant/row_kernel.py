@@ -57,6 +57,16 @@ def _parts(context, builder, kind, array, i, n):
     return at
 
 
+def _repeated(builder, number, widths):
+    """Vectors of one number."""
+    vectors = []
+    for width in widths:
+        nothing = ir.Constant(ir.VectorType(number.type, width), ir.Undefined)
+        first = builder.insert_element(nothing, number, LANE(0))
+        vectors.append(builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(LANE, width), None)))
+    return vectors
+
+
 @intrinsic
 def row(typing, A, i):
     """Row i of A; of a vector, whatever i, all of it."""
@@ -81,23 +91,42 @@ def set_row(typing, A, i, value):
     return types.void(A, types.intp, value), generate
 
 
+def _gathered(context, builder, kind, array, places):
+    """A row of the entries at these places."""
+    entries = iter([builder.load(_entry(context, builder, kind, array, *place)) for place in places])
+    parts = []
+    for width in Row(len(places)).widths:
+        part = ir.Constant(_vector(width), ir.Undefined)
+        for lane in range(width):
+            part = builder.insert_element(part, next(entries), LANE(lane))
+        parts.append(part)
+    return cgutils.pack_struct(builder, parts)
+
+
 @intrinsic
 def column(typing, A, j):
     """Column j of A, as a row."""
 
     def generate(context, builder, signature, values):
         array, j = values
-        parts, i = [], 0
-        for width in Row(A.shape[0]).widths:
-            part = ir.Constant(_vector(width), ir.Undefined)
-            for lane in range(width):
-                entry = builder.load(_entry(context, builder, A, array, INDEX(i), j))
-                part = builder.insert_element(part, entry, LANE(lane))
-                i += 1
-            parts.append(part)
-        return cgutils.pack_struct(builder, parts)
+        return _gathered(context, builder, A, array, [(INDEX(i), j) for i in range(A.shape[0])])
 
     return Row(A.shape[0])(A, types.intp), generate
+
+
+@intrinsic
+def symmetric_row(typing, A, i):
+    """Row i of the symmetric matrix of which A holds the lower triangle."""
+
+    def generate(context, builder, signature, values):
+        array, i = values
+        places = []
+        for j in map(INDEX, range(A.shape[1])):
+            below = builder.icmp_signed("<", j, i)
+            places.append((builder.select(below, i, j), builder.select(below, j, i)))
+        return _gathered(context, builder, A, array, places)
+
+    return Row(A.shape[1])(A, types.intp), generate
 
 
 @intrinsic
@@ -108,6 +137,40 @@ def zero_row(typing, A):
         return ir.Constant(context.get_value_type(signature.return_type), None)
 
     return Row(A.shape[-1])(A), generate
+
+
+@intrinsic
+def unit_row(typing, value, i):
+    """Row i of a unit lower triangular matrix that begins with the entries of a row."""
+
+    def generate(context, builder, signature, values):
+        parts, start = [], 0
+        for part in cgutils.unpack_tuple(builder, values[0]):
+            width = part.type.count
+            place = ir.Constant(ir.VectorType(INDEX, width), [*range(start, start + width)])
+            (here,) = _repeated(builder, values[1], [width])
+            one, zero = (ir.Constant(_vector(width), [number] * width) for number in (1.0, 0.0))
+            rest = builder.select(builder.icmp_signed("==", place, here), one, zero)
+            parts.append(builder.select(builder.icmp_signed("<", place, here), part, rest))
+            start += width
+        return cgutils.pack_struct(builder, parts)
+
+    return value(value, types.intp), generate
+
+
+@intrinsic
+def without_tiny(typing, value, tiny):
+    """A row with 0 for its entries between −tiny and tiny."""
+
+    def generate(context, builder, signature, values):
+        parts, zero = [], ir.DoubleType()(0.0)
+        limits = [_repeated(builder, number, value.widths) for number in (values[1], builder.fsub(zero, values[1]))]
+        for part, high, low in zip(cgutils.unpack_tuple(builder, values[0]), *limits, strict=True):
+            small = builder.and_(builder.fcmp_ordered("<", part, high), builder.fcmp_ordered(">", part, low))
+            parts.append(builder.select(small, ir.Constant(part.type, None), part))
+        return cgutils.pack_struct(builder, parts)
+
+    return value(value, types.float64), generate
 
 
 class _Elementwise(AbstractTemplate):
@@ -134,16 +197,7 @@ def _lower(operation, instruction: str) -> None:
 
 def _operand(builder, row, kind, value):
     """The vectors of a row, or those of a number in every place."""
-    if kind == row:
-        return cgutils.unpack_tuple(builder, value)
-    return [
-        builder.shuffle_vector(
-            builder.insert_element(ir.Constant(_vector(width), ir.Undefined), value, LANE(0)),
-            ir.Constant(_vector(width), ir.Undefined),
-            ir.Constant(ir.VectorType(LANE, width), None),
-        )
-        for width in row.widths
-    ]
+    return cgutils.unpack_tuple(builder, value) if kind == row else _repeated(builder, value, row.widths)
 
 
 for _operation, _instruction in (

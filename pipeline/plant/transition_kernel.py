@@ -57,7 +57,7 @@ def plant_fields(n: int, ns: int, p: int, nx: int, tuned: int, fed: int) -> list
     m, knowns = ns + p + n, ns + n + fed
     numbers = ("n", "p", "kind", "substeps", "completes", "snapshot", "evaluations", "n_settings", "n_columns")
     addresses = ("input_vr", "tuned_vr", "state_vr", "output_vr", "setting_vr", "settings", "unknown_vr", "known_vr")
-    whole = {"tuned": (tuned,), "fed": (fed,), "columns": (m,), "known_column": (knowns,)}
+    places = {"order": (ns,), "tuned": (tuned,), "fed": (fed,), "columns": (m,), "known_column": (knowns,)}
     real = {
         "point": (m,), "floor": (m,), "gain": (n,), "f": (ns,), "J": (m, ns), "inputs": (n + fed,),
         "parameters": (tuned,), "x": (nx,), "dx": (nx,), "k": (ns,), "total": (ns,), "stage": (ns,), "ahead": (ns,),
@@ -68,8 +68,7 @@ def plant_fields(n: int, ns: int, p: int, nx: int, tuned: int, fed: int) -> list
         *INSTANCE,
         *((name, "i8") for name in (*numbers, *addresses)),
         ("t", "f8"),
-        ("order", "u8", (ns,)),  # unsigned: no index counts from the end
-        *((name, "i8", shape) for name, shape in whole.items()),
+        *((name, "u8", shape) for name, shape in places.items()),  # unsigned: no index counts from the end
         *((name, "f8", shape) for name, shape in real.items()),
     ]
 
@@ -92,12 +91,12 @@ def evaluate(m, s, ds):
     m.evaluations += 1
     if set_states(m, address(x), x.shape[0]) or get_derivatives(m, address(dx), x.shape[0]):
         return True
-    finite = True
+    nothing = 0.0
     for i in range(ns):
         value = dx[order[i]]
         ds[i] = value
-        finite &= value - value == 0.0  # here: a wide load of what was just written entry by entry would have to wait
-    return False if finite else failed(m, DERIVATIVES, NOT_FINITE)
+        nothing += value - value  # here: a wide load of what was just written entry by entry would have to wait
+    return False if nothing == 0.0 else failed(m, DERIVATIVES, NOT_FINITE)
 
 
 @kernel
