@@ -109,7 +109,8 @@ class CompiledPlant:
     def _variables(self) -> None:
         """Inputs, and parameters: those that are tuned and those that are fed as inputs."""
         plant, memory = self._plant, self.memory
-        memory.set(n=self.n, p=self.p, tuned=plant.tuned, fed=plant.fed, parameters=np.nan, inputs=np.nan)
+        memory.set(n=self.n, p=self.p, tuned=self.ns + plant.tuned, fed=self.ns + plant.fed)
+        memory.set(parameters=np.nan, inputs=np.nan)
         memory.set(floor=floor(self.binding, self.ns), gain=self.binding.gain, seed=1.0)
         memory.put(tuned_vr=plant.parameters.vr, input_vr=plant.inputs.vr)
         self.columns = plant.columns

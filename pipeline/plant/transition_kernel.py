@@ -52,7 +52,7 @@ def plant_fields(n: int, ns: int, p: int, nx: int, tuned: int, fed: int) -> list
     point: [s, chi, u] where the transition starts; f, J (ns + p + n, ns): the transition and its derivatives, a row for
     each place of point; inputs, parameters: what the FMU has; x, dx: its states and their derivatives, order: where
     those of s stand there; substeps: of RK4, 0 for Euler; columns: the places of point that are differenced;
-    known_column: the place of each known of the directional derivatives.
+    tuned, fed, known_column: those of the parameters, and of each known of the directional derivatives.
     """
     m, knowns = ns + p + n, ns + n + fed
     numbers = ("n", "p", "kind", "substeps", "completes", "snapshot", "evaluations", "n_settings", "n_columns")
@@ -103,25 +103,25 @@ def evaluate(m, s, ds):
 def feed(m):
     """Set the inputs, those among the parameters with them, where they changed."""
     point, inputs, fed, changed = m.point, m.inputs, m.fed, False
-    ns, n = m.f.shape[0], m.gain.shape[0]
+    n = m.gain.shape[0]
     first = point.shape[0] - n
     for i in range(n):
         changed |= inputs[i] != point[first + i]
         inputs[i] = point[first + i]
     for i in range(fed.shape[0]):
-        changed |= inputs[n + i] != point[ns + fed[i]]
-        inputs[n + i] = point[ns + fed[i]]
+        changed |= inputs[n + i] != point[fed[i]]
+        inputs[n + i] = point[fed[i]]
     return changed and set_values(m, INPUTS, m.input_vr, inputs.shape[0], address(inputs))
 
 
 @kernel
 def tune(m):
     """Set the parameters that changed, in Event Mode (2.0.5, §3.2.1; 3.0.2, §3.2.1)."""
-    point, has, tuned, ns = m.point, m.parameters, m.tuned, m.f.shape[0]
+    point, has, tuned = m.point, m.parameters, m.tuned
     first, end = has.shape[0], 0
     for i in range(has.shape[0]):
-        if has[i] != point[ns + tuned[i]]:
-            has[i] = point[ns + tuned[i]]
+        if has[i] != point[tuned[i]]:
+            has[i] = point[tuned[i]]
             first, end = min(first, i), i + 1
     if end == 0:
         return False
@@ -198,11 +198,11 @@ def _co_simulate(m, t, dt, result):
     """result (ns,) = the states after a Co-Simulation step from m.point (2.0.5, §2.1.8, §4.2.4)."""
     point, inputs, parameters, ns, n = m.point, m.inputs, m.parameters, m.f.shape[0], m.gain.shape[0]
     for i in range(parameters.shape[0]):
-        parameters[i] = point[ns + m.tuned[i]]
+        parameters[i] = point[m.tuned[i]]
     for i in range(n):
         inputs[i] = point[point.shape[0] - n + i]
     for i in range(m.fed.shape[0]):
-        inputs[n + i] = point[ns + m.fed[i]]
+        inputs[n + i] = point[m.fed[i]]
     m.evaluations += 1
     if (
         _from_scratch(m, t)
