@@ -67,7 +67,7 @@ class JosephForm:
         innovation, S = y - self.H @ self.x, self.H @ self.P @ self.H.T + np.diag(self.R)
         for h, r, yi in zip(self.H, self.R, y, strict=True):
             Ph = self.P @ h
-            K = Ph / (h @ Ph + r)
+            K = Ph * (1.0 / (h @ Ph + r))
             self.x = self.x + K * (yi - h @ self.x)
             M = self.P - np.outer(K, Ph)
             self.P = _mirrored(M + np.outer(K * r - M @ h, K))

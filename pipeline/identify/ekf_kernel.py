@@ -180,7 +180,7 @@ def _update_joseph(w, k):
         h = n + i
         variance, residual = P[h, h] + R[i], q[i] - z[h]
         Ph = symmetric_row(P, h)
-        gain = Ph / variance
+        gain = Ph * (1.0 / variance)
         set_row(K, 0, gain)
         set_row(back, 0, gain * R[i] - (Ph - gain * P[h, h]))
         set_row(z, 0, row(z, 0) + gain * residual)
