@@ -13,6 +13,14 @@ def ivp(f, *x0):
     return solve_ivp(f, (0, 1), x0, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
 
 
+def turned(times):
+    """{1, 2, 3} after so many solutions with a matrix that is not symmetric."""
+    x = np.array([1.0, 2.0, 3.0])
+    for _ in range(times):
+        x = np.linalg.solve([[4, 1, 0], [1, 4, 3], [0, 1, 4]], x)
+    return x
+
+
 e, A = np.exp, np.array([[-1.0, 0.5], [2.0, -3.0]])
 DECAY = "model D parameter Real k=1; Real x(start=1, fixed=true); equation der(x) = -k*x; end D;"
 X_AND_Y = "model X parameter Real k=1; Real y=k*time; end X; model Y extends X(k=2); end Y;"
@@ -186,12 +194,20 @@ CONTINUOUS: dict[str, list[tuple]] = {
         )
     ],
     "linear algebraic loops": [
+        (  # three unknowns, symmetric by default values, or where the relation has not switched
+            "parameter Real p=0; Real x[3]; Real y[3]; Real z[3]; equation"
+            " [4, 1, 0; 1, 4, 1 + p; 0, 1, 4]*x = {1, 2, 3};"
+            "[4, 1, 0; 1, 4, if time > 0.5 then 3 else 1; 0, 1, 4]*y = x;"
+            "[4, 1, 0; 1, 4, noEvent(if time > 0.5 then 3 else 1); 0, 1, 4]*z = y;",
+            dict(zip(("x[3]", "y[3]", "z[3]"), [turned(k)[2] for k in (1, 2, 3)], strict=True)),
+            {"p": 2},
+        ),
         (
             "parameter Real k=1; Real s(start=1, fixed=true); Real x; Real y; Real z; equation der(s) = -x;"
             "x + y + z = 6*s; x - y = time; y + k*z = 5;",
             {"s": ivp(lambda t, s: [-np.linalg.solve([[1, 1, 1], [1, -1, 0], [0, 1, 2]], [6 * s[0], t, 5])[0]], 1)[0]},
             {"k": 2},
-        )
+        ),
     ],
     "elementary functions": [
         (

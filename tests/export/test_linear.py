@@ -11,7 +11,8 @@ from pipeline.export.sorting import Equation, solve
 def definite_matrix(n, seed, sign=1.0):
     """A symmetric matrix (n, n) with eigenvalues from 1 to 1e4, of one sign."""
     Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(n, n)))
-    return sign * (Q * np.geomspace(1, 1e4, n)) @ Q.T
+    M = sign * (Q * np.geomspace(1, 1e4, n)) @ Q.T
+    return (M + M.T) / 2
 
 
 def solution(A, b, definite):
@@ -54,6 +55,16 @@ def test_symmetric_systems_of_one_sign_are_definite_and_no_others():
     asymmetric[0, 3] += 1e-3 * ca.sin(x)
     assert not is_definite(asymmetric, {"p": 1.0})
     assert not is_definite(A / ca.sqrt(-1 - x**2), {"p": 1.0})
+
+
+@pytest.mark.parametrize(
+    "turn", [lambda s: s * ca.SX.sym("p"), lambda s: ca.if_else(s > 50, 1, 0), lambda s: ca.fmax(0, s - 9)]
+)
+def test_symmetry_that_ends_somewhere_is_none(turn):
+    """A parameter whose default is 0, a relation, a function: at the values that are tried the matrix is symmetric."""
+    A = ca.SX(definite_matrix(4, 1))
+    A[0, 3] += turn(ca.SX.sym("s"))
+    assert not is_definite(A, {"p": 0.0})
 
 
 @pytest.mark.parametrize("p, operations", [(3.0, "few"), (0.1, "many")])
