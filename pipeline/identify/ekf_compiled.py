@@ -9,9 +9,8 @@ from pipeline.identify import udu
 from pipeline.identify.covariance_forms import P_LOST
 from pipeline.identify.ekf import MASS_LOST, NOT_A_NUMBER, Tuning
 from pipeline.identify.ekf_kernel import NO_MASS, NOT_FINITE, NOT_POSITIVE, PLANT_FAILED, filter_fields, run
-from pipeline.plant.compiled import MODES, CompiledPlant
+from pipeline.plant.compiled import CompiledPlant
 from pipeline.plant.memory import Memory
-from pipeline.plant.steps import EPSILON
 from pipeline.records import FilterRun
 
 CHUNK = 250
@@ -50,10 +49,10 @@ def run_compiled(
 def _memory(plant: CompiledPlant, time, q, u, z0, tuning: Tuning, jacobian: str) -> Memory:
     """The kernel's record, all in it but the covariance."""
     n, ns, nx, N, nq = plant.n, plant.ns, len(z0), len(time), len(tuning.q)
-    mode, central = MODES[jacobian]
+    mode, central, epsilon = plant.begin(jacobian)
     memory = Memory(filter_fields(n, ns, nx - ns, nq))
     memory.set(input_noise=tuning.input_noise, mode=mode, central=central)
-    memory.set(epsilon=EPSILON["central" if central else "forward"], z=z0, R=tuning.R, noise=tuning.q, G=np.eye(nq, ns))
+    memory.set(epsilon=epsilon, z=z0, R=tuning.R, noise=tuning.q, G=np.eye(nq, ns))
     memory.put(time=np.array(time, float), q=np.array(q, float), u=np.array(u, float))
     memory.put(x=np.zeros((N, nx)), P_diag=np.zeros((N, nx)), NIS=np.zeros(N))
     memory.put(innovation=np.zeros((N, n)), S_diag=np.zeros((N, n)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.errors import ConfigError
 from pipeline.plant.memory import Memory, connect, refuse
 from pipeline.plant.model_exchange import ModelExchangePlant
 from pipeline.plant.regressor_kernel import PLANT_FAILED, POINTS, SINGULAR, accelerate_once, torques
@@ -53,7 +54,7 @@ class CompiledPlant:
     @columns.setter
     def columns(self, places: np.ndarray) -> None:
         last = (self.ns <= places) & (places < self.ns + self.p)  # parameters cost most: none is set for the others
-        self.memory.set(n_columns=len(places), J=np.eye(self.ns + self.p + self.n, self.ns))
+        self.memory.set(n_columns=len(places))
         self.memory["columns"][: len(places)] = [*places[~last], *places[last]]
 
     def transition(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float) -> np.ndarray:
@@ -67,8 +68,7 @@ class CompiledPlant:
     ) -> tuple[np.ndarray, np.ndarray]:
         """The transition f (ns,) and its derivatives J (ns, ns + p + n) by s, chi and u."""
         self.memory["point"][:] = np.concatenate([s, chi, u])
-        how, central = MODES[mode]
-        step = EPSILON["central" if central else "forward"]
+        how, central, step = self.begin(mode)
         self.check(linearise_once(self.memory.record, float(t), float(dt), how, step, central), t)
         return self.memory["f"].copy(), self.memory["J"].T.copy()
 
@@ -99,6 +99,17 @@ class CompiledPlant:
         if how == SINGULAR:
             raise np.linalg.LinAlgError("singular matrix")
         return points["tau"]
+
+    def begin(self, mode: str) -> tuple[int, int, float]:
+        """Clear J of what another mode left, and give the kernels' words for this one: how, central, epsilon.
+
+        Raises ConfigError for directional derivatives where there are none.
+        """
+        if mode == "directional" and not self.directional:
+            raise ConfigError(f'{self.file.path.name}: no directional derivatives; use ekf.jacobian = "forward"')
+        self.memory.set(J=np.eye(self.ns + self.p + self.n, self.ns))
+        how, central = MODES[mode]
+        return how, central, EPSILON["central" if central else "forward"]
 
     def check(self, failed: bool, t: float) -> None:
         """Raise FmuError for a kernel that failed at t (s), naming the call and its status."""

@@ -96,6 +96,10 @@ class CoSimulationPlant:
         check(NOT_FINITE * (not np.isfinite(result.sum())), "DoStep", t)
         return result
 
+    def sensitivity(self, s: np.ndarray, u: np.ndarray, chi: np.ndarray, t: float, dt: float):
+        """Raises ConfigError: there are no derivatives of a step."""
+        raise ConfigError(f'{self.file.path.name}: no directional derivatives; use ekf.jacobian = "forward"')
+
     def _go_back(self, t: float) -> None:
         """The instance as before its initialisation, to start at t (s)."""
         calls, check = self.instance.calls, self.instance.check

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
 from pipeline.errors import FmuidError
-from pipeline.identify.jacobian import Point, linearise
+from pipeline.identify.ekf import Tuning, run_filter
+from pipeline.identify.jacobian import Point
 from pipeline.plant.plant import open_plant
 from pipeline.plant.probing import InverseModel
 from pipeline.workflow.session import EngineChoice, Session
@@ -17,34 +19,38 @@ AGREED = 1e-9
 
 POINTS = 3
 
+Outcome = np.ndarray | str
+"""Numbers, or the message of the error instead."""
+
 
 def choose_engine(
     session: Session, points: Sequence[Point], interface: str, method: str, substeps: int
 ) -> EngineChoice:
-    """The engine for a filter with this transition: f and its derivatives are compared, in every mode there is."""
+    """The engine for a filter with this transition: short filters from some of the points, in every mode there is."""
+    covariance = session.experiment.ekf.covariance
 
-    def evaluated(engine: str) -> np.ndarray:
+    def filtered(engine: str) -> list[Outcome]:
         with open_plant(session.binding, "filter", interface, method, substeps, engine) as plant:
             modes = ("forward", "central", "directional")[: 3 if plant.directional else 2]
-            return np.array([_columns(plant, p, mode) for p in _some(points) for mode in modes])
+            return [_short_filter(plant, point, mode, covariance) for point in _some(points) for mode in modes]
 
-    return _chosen(session, evaluated)
+    return _chosen(session, filtered)
 
 
 def regressor_engine(session: Session, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> str:
     """The engine of the regressor, D and y0 compared at points of a motion q, qd, qdd (N, n)."""
 
-    def probed(engine: str) -> np.ndarray:
+    def probed(engine: str) -> list[Outcome]:
         with open_plant(session.binding, "probe", engine=engine) as plant:
-            D, y0 = InverseModel(plant)(_some(q), _some(qd), _some(qdd))
-        return np.concatenate([D, y0[:, :, None]], axis=2)
+            model = InverseModel(plant)
+            return [_outcome(partial(model, q[k : k + 1], qd[k : k + 1], qdd[k : k + 1])) for k in _some(range(len(q)))]
 
     return _told(session, "regressor", probed)
 
 
 def loop_engine(session: Session, simulated: Callable[[str, int], np.ndarray]) -> str:
     """The engine of the closed loop; simulated(engine, samples): its beginning."""
-    return _told(session, "closed loop", lambda engine: simulated(engine, POINTS))
+    return _told(session, "closed loop", lambda engine: [_outcome(lambda: [simulated(engine, POINTS)])])
 
 
 def unavailable(narrate: Callable[[str], None]) -> str:
@@ -56,11 +62,11 @@ def unavailable(narrate: Callable[[str], None]) -> str:
             narrate("  compiling the engine, once: less than a minute …")
         compiles()
     except Exception as error:  # whatever numba or LLVM meets on this machine
-        return f"numba cannot be used: {' '.join(str(error).split())[:200] or type(error).__name__}"
+        return f"numba cannot be used: {_one_line(error)}"
     return ""
 
 
-def _told(session: Session, part: str, compute: Callable[[str], np.ndarray]) -> str:
+def _told(session: Session, part: str, compute: Callable[[str], list[Outcome]]) -> str:
     """The engine of a part of the session, chosen once; if it is not the one asked for, the user is told."""
     if session.experiment.engine == "filterpy":  # which computes filters only
         return session.engines.setdefault(part, EngineChoice("python")).used
@@ -71,39 +77,62 @@ def _told(session: Session, part: str, compute: Callable[[str], np.ndarray]) -> 
     return session.engines[part].used
 
 
-def _chosen(session: Session, compute: Callable[[str], np.ndarray]) -> EngineChoice:
-    """The engine asked for; the compiled one only if compute(engine), by columns, is the same as Python's."""
+def _chosen(session: Session, compute: Callable[[str], list[Outcome]]) -> EngineChoice:
+    """The engine asked for; the compiled one only if compute(engine) gives what Python gives."""
     if session.experiment.engine != "compiled":
         return EngineChoice(session.experiment.engine)
     reason = unavailable(session.narrate)
     if not reason:
-        apart = _apart(compute)
-        reason = "" if apart <= AGREED else f"compiled, it is {apart:.1e} off"
+        python = compute("python")
+        try:
+            reason = _difference(python, compute("compiled"))
+        except Exception as error:  # whatever numba meets when it compiles
+            reason = f"compiled, it fails: {_one_line(error)}"
     return EngineChoice("python", reason) if reason else EngineChoice("compiled")
 
 
-def _apart(compute: Callable[[str], np.ndarray]) -> float:
-    """How far the engines are apart, relative to the largest entry of each column; inf where only one fails."""
-    found = []
-    for engine in ("python", "compiled"):
-        try:
-            found.append(compute(engine))
-        except FmuidError:  # whoever uses it will say what is wrong
-            found.append(None)
-    python, compiled = found
-    if python is None or compiled is None:
-        return 0.0 if python is compiled else np.inf
-    size = np.maximum(np.abs(python).max(axis=-2, keepdims=True), np.finfo(float).tiny)
-    return float(np.max(np.abs(compiled - python) / size))
+def _difference(python: list[Outcome], compiled: list[Outcome]) -> str:
+    """In words, how the outcomes differ: what failed, by its message, the rest relative to the largest entry; or ""."""
+    apart = []
+    for one, other in zip(python, compiled, strict=True):
+        if isinstance(one, str) or isinstance(other, str):
+            if str(one) != str(other):
+                return f"compiled, it ends otherwise: {other if isinstance(other, str) else 'without an error'}"
+        else:
+            size = np.maximum(np.abs(one), np.abs(one).max(axis=-1, keepdims=True) * np.finfo(float).eps)
+            apart.append(np.max(np.abs(other - one) / np.maximum(size, np.finfo(float).tiny)))
+    if not apart:
+        return "compiled and Python could not be compared: every evaluation fails"
+    worst = float(np.max(apart))  # NaN where one is NaN
+    return "" if worst <= AGREED else f"compiled, it is {worst:.1e} off"
 
 
-def _some(items: Sequence) -> Sequence:
+def _short_filter(plant, point: Point, mode: str, covariance: str) -> Outcome:
+    """Two samples of a filter from a point: estimates, variances, innovations, covariance."""
+    b, p, n = plant.binding, point, plant.n
+    z0 = np.concatenate([p.s, p.chi])
+    P0 = np.diag(np.concatenate([np.full(plant.ns, 1e-2), (0.1 * b.scale) ** 2]))
+    q = np.array([p.s[n : 2 * n], p.s[n : 2 * n] + p.dt * p.s[:n]])
+    tuning = Tuning(np.full(n, 1e-6), (0.01 * b.u_range * b.gain) ** 2, input_noise=True)
+    time = np.array([p.t, p.t + p.dt])
+    run = run_filter(plant, time, q, np.array([p.u, p.u]), z0, P0, tuning, mode, covariance)
+    if run.failed_at is not None:
+        return run.reason
+    return np.concatenate([run.x, run.P_diag, run.innovation, run.S_diag, np.resize(run.P, (2, run.P.size))], axis=1)
+
+
+def _outcome(compute: Callable[[], Sequence[np.ndarray]]) -> Outcome:
+    """The numbers, side by side, or the message of the error."""
+    try:
+        return np.concatenate([np.ravel(values) for values in compute()])
+    except FmuidError as error:
+        return str(error)
+
+
+def _some(items: Sequence) -> list:
     """POINTS of them, spread evenly."""
-    return items[:: max(1, len(items) // POINTS)][:POINTS]
+    return list(items[:: max(1, len(items) // POINTS)])[:POINTS]
 
 
-def _columns(plant, point: Point, mode: str) -> np.ndarray:
-    """f and the columns of its Jacobian beside each other (ns, 1 + ns + p + n)."""
-    p = point
-    model = linearise(plant, p.s, p.chi, p.u, p.t, p.dt, mode)
-    return np.hstack([model.f[:, None], model.A, model.B, model.C])
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pipeline.plant.compiled import CompiledPlant
+from pipeline.identify import ekf_compiled
 from pipeline.plant.probing import InverseModel
 from pipeline.simulate import coupling_compiled
 from pipeline.workflow.acquire import simulate
@@ -90,18 +90,41 @@ def test_where_nothing_can_be_compiled_it_is_python(record):
     assert found.text == "Python (numba cannot be used: no executable memory)"
 
 
-@pytest.mark.parametrize("entry", [0, 5, -1], ids=["state", "parameter", "input"])
-def test_a_compiled_engine_that_is_off_gives_way_to_python(record, entry):
-    right = CompiledPlant.linearise
+def off(field, factor):
+    """What the kernel of the filter gets, with one field of its record a little off."""
+    right = ekf_compiled._memory
 
-    def wrong(self, *arguments):
-        f, J = right(self, *arguments)
-        J[0, entry] *= 1.0 + 1e-7
-        return f, J
+    def wrong(*arguments):
+        memory = right(*arguments)
+        memory.set(**{field: memory[field] * factor})
+        return memory
 
-    with patch.object(CompiledPlant, "linearise", wrong):
+    return patch.object(ekf_compiled, "_memory", wrong)
+
+
+@pytest.mark.parametrize("field", ["R", "noise", "z", "epsilon"])
+def test_a_compiled_filter_that_is_off_gives_way_to_python(record, field):
+    with off(field, 1.1 if field == "epsilon" else 1.0 + 1e-7):
         found = choice(record)
     assert found.used == "python" and found.reason.startswith("compiled, it is")
+
+
+def test_a_compiled_filter_that_fails_otherwise_gives_way_to_python(record):
+    with off("z", -1.0):
+        found = choice(record)
+    assert found.used == "python" and "ends otherwise" in found.reason and "mass matrix" in found.reason
+
+
+def test_a_kernel_that_cannot_be_compiled_gives_way_to_python(record):
+    with patch.object(ekf_compiled, "run", side_effect=TypeError("cannot unify\nfloat64 and str")):
+        found = choice(record)
+    assert found == EngineChoice("python", "compiled, it fails: cannot unify float64 and str")
+
+
+def test_engines_that_could_not_be_compared_are_not_believed(record):
+    points = [replace(p, chi=0.0 * p.chi) for p in points_of(session_of(), record[1])]
+    found = choose_engine(session_of(), points, *RK4)
+    assert found.used == "python" and "could not be compared" in found.reason
 
 
 def test_what_is_chosen_reaches_the_record_and_the_user(record):
