@@ -7,11 +7,11 @@ import atexit
 import gc
 import json
 import os
-import signal
 import sys
 
 from pipeline.arguments import parser
 from pipeline.errors import ConfigError, DataError, FmuidError
+from pipeline.interrupts import install
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -22,7 +22,7 @@ def main(argv: list[str] | None = None) -> int:
     atexit.register(gc.freeze)  # … and once more at the end
     arguments = parser().parse_args(argv)
     command = _plan if vars(arguments).get("dry_run") else COMMANDS[arguments.command]
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that every folder is removed on the way out
+    install()
     try:
         code = command(arguments)
         if sys.stdout is not None:
@@ -31,6 +31,9 @@ def main(argv: list[str] | None = None) -> int:
     except FmuidError as error:
         print(f"fmuid: {error}", file=sys.stderr)
         return error.exit_code
+    except SystemExit:
+        print("fmuid: terminated", file=sys.stderr)
+        raise
     except KeyboardInterrupt:
         print("fmuid: interrupted", file=sys.stderr)
         return 130
@@ -130,6 +133,9 @@ def _identify(arguments: argparse.Namespace) -> int:
     record = plain(record)
     print(json.dumps(record["estimates"]) if arguments.json else estimates_text(record))
     _tell_errors(record)
+    failed = [item["name"] for item in record["verdict"]["items"] if item["status"] == "fail"]
+    if failed:
+        _narrate(f"fmuid: verdict FAIL: {', '.join(failed)}; `fmuid run` shows the limits")
     return exit_code(record)
 
 

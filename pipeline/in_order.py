@@ -36,3 +36,22 @@ def solve(A: np.ndarray, b: np.ndarray) -> np.ndarray:
             x[:, k] -= A[:, k, j] * x[:, j]
         x[:, k] /= A[:, k, k]
     return x
+
+
+def normalised(r: np.ndarray, S: np.ndarray) -> float | None:
+    """rᵀ S⁻¹ r of r (n,) and S (n, n), by S = L D Lᵀ; None where S is not positive definite."""
+    n, result = len(r), 0.0
+    L, d, v = np.eye(n), np.empty(n), r.copy()
+    for i in range(n):
+        d[i] = S[i, i]
+        for j in range(i):
+            value = S[i, j]
+            for k in range(j):
+                value -= L[i, k] * d[k] * L[j, k]
+            L[i, j] = value / d[j]
+            d[i] -= L[i, j] * value
+            v[i] -= L[i, j] * v[j]
+        if not d[i] > 0.0:
+            return None
+        result += v[i] * v[i] / d[i]
+    return float(result)

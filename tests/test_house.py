@@ -9,7 +9,7 @@ from pipeline.paths import PACKAGE, ROOT
 
 # From the bottom up: a room imports from its own level or from below.
 LEVELS = (
-    {"arguments", "errors", "files", "in_order", "paths", "records"},
+    {"arguments", "errors", "files", "in_order", "interrupts", "paths", "records"},
     {"settings", "units"},
     {"config"},
     {"plant", "export"},

@@ -8,7 +8,7 @@ from pipeline.errors import IdentificationError
 from pipeline.identify import udu
 from pipeline.in_order import product
 
-P_LOST = 'the covariance P lost positive definiteness; use ekf.covariance = "udu"'
+P_LOST = 'the covariance P lost positive definiteness; check P0, Q and R (ekf.covariance = "udu" keeps it longest)'
 
 
 class UduForm:

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import FmuError, IdentificationError
-from pipeline.identify.covariance_forms import FORMS
+from pipeline.identify.covariance_forms import FORMS, P_LOST
 from pipeline.identify.jacobian import linearise
+from pipeline.in_order import normalised
 from pipeline.records import FilterRun
 
 MASS_LOST = "the mass matrix lost positive definiteness: the parameters left what is physical"
@@ -67,7 +68,9 @@ def run_filter(
                 _predict(form, plant, ns, u[k - 1], time[k - 1], time[k] - time[k - 1], tuning, jacobian)
             innovation[k], S = form.update(q[k])
             x[k], P_diag[k], S_diag[k] = form.x, form.P_diag, np.diag(S)
-            NIS[k] = innovation[k] @ np.linalg.solve(S, innovation[k])
+            if (found := normalised(innovation[k], S)) is None:
+                raise IdentificationError(P_LOST)
+            NIS[k] = found
             if not np.isfinite(NIS[k] + x[k].sum() + P_diag[k].sum()):
                 raise IdentificationError(NOT_A_NUMBER)
             done, P = k + 1, form.P if k == samples - 1 else P

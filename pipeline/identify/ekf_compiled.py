@@ -9,6 +9,7 @@ from pipeline.identify import udu
 from pipeline.identify.covariance_forms import P_LOST
 from pipeline.identify.ekf import MASS_LOST, NOT_A_NUMBER, Tuning
 from pipeline.identify.ekf_kernel import NO_MASS, NOT_FINITE, NOT_POSITIVE, PLANT_FAILED, filter_fields, run
+from pipeline.interrupts import STOP, raise_kept
 from pipeline.plant.compiled import CompiledPlant
 from pipeline.plant.memory import Memory
 from pipeline.records import FilterRun
@@ -38,6 +39,7 @@ def run_compiled(
         while done < samples and not reason:
             end = min(done + CHUNK, samples)
             done, how = run(plant.memory.record, memory.record, done, end)
+            raise_kept()
             plant.check(how == PLANT_FAILED, float(time[max(done - 1, 0)]))
             reason = REASONS.get(how, "")
     except (FmuError, np.linalg.LinAlgError) as error:
@@ -53,7 +55,7 @@ def _memory(plant: CompiledPlant, time, q, u, z0, tuning: Tuning, jacobian: str)
     memory = Memory(filter_fields(n, ns, nx - ns, nq))
     memory.set(input_noise=tuning.input_noise, mode=mode, central=central)
     memory.set(epsilon=epsilon, z=z0, R=tuning.R, noise=tuning.q, G=np.eye(nq, ns))
-    memory.put(time=np.array(time, float), q=np.array(q, float), u=np.array(u, float))
+    memory.put(stop=STOP, time=np.array(time, float), q=np.array(q, float), u=np.array(u, float))
     memory.put(x=np.zeros((N, nx)), P_diag=np.zeros((N, nx)), NIS=np.zeros(N))
     memory.put(innovation=np.zeros((N, n)), S_diag=np.zeros((N, n)))
     return memory

@@ -20,7 +20,7 @@ def filter_fields(n: int, ns: int, p: int, nq: int) -> list[tuple]:
     sample to sample: z (nx,) and P (nx, nx), or its factors Uᵀ, as P, and d. The rest is room to work in.
     """
     nx = ns + p
-    addresses = ("time", "q", "u", "x", "P_diag", "innovation", "S_diag", "NIS")
+    addresses = ("stop", "time", "q", "u", "x", "P_diag", "innovation", "S_diag", "NIS")
     arrays = {
         "R": (n,), "noise": (nq,), "z": (nx,), "P": (nx, nx), "d": (nx,), "G": (nq, ns), "T": (ns, nx),
         "W": (ns + nq, ns), "weight": (ns + nq,), "S": (n, n), "L": (n, n), "K": (nx,), "back": (nx,),
@@ -34,7 +34,7 @@ def filter_fields(n: int, ns: int, p: int, nq: int) -> list[tuple]:
     ]
 
 
-DONE, PLANT_FAILED, NO_MASS, NOT_FINITE, NOT_POSITIVE = range(5)
+DONE, PLANT_FAILED, NO_MASS, NOT_FINITE, NOT_POSITIVE, STOPPED = range(6)
 """What a run ends with."""
 
 TINY = 1e-150
@@ -274,6 +274,8 @@ def run(plant, filter, first, end):
     """Filter samples first … end − 1; gives the sample reached, and what the run ended with."""
     m, w = plant[0], filter[0]
     for k in range(first, end):
+        if array_at(w.stop, 1)[0] != 0.0:
+            return k, STOPPED
         if k > 0:
             reason = _predict(m, w, k)
             if reason != DONE:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.errors import ConfigError
+from pipeline.interrupts import raise_kept
 from pipeline.plant.memory import Memory, connect, refuse
 from pipeline.plant.model_exchange import ModelExchangePlant
 from pipeline.plant.regressor_kernel import PLANT_FAILED, POINTS, SINGULAR, accelerate_once, torques
@@ -113,6 +114,7 @@ class CompiledPlant:
 
     def check(self, failed: bool, t: float) -> None:
         """Raise FmuError for a kernel that failed at t (s), naming the call and its status."""
+        raise_kept()
         if failed:
             self.memory.set(parameters=np.nan, inputs=np.nan)  # nobody knows what the FMU has
             refuse(self.memory, self.instance, t)

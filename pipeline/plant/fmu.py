@@ -18,6 +18,7 @@ import fmpy
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from pipeline.errors import ConfigError, FmuError
+from pipeline.interrupts import raise_kept
 from pipeline.plant.fmi2 import Fmi2
 from pipeline.plant.fmi3 import Fmi3
 from pipeline.plant.log import close_log, open_log
@@ -194,6 +195,7 @@ class Instance:
 
         function: what was called; the name of one of the standard's functions goes without its prefix.
         """
+        raise_kept()
         if status != 0:
             word = STATUS.get(status, f"returned an illegal status {status}")
             function = f"{self.calls.prefix}{function}" if function[0].isupper() else function

@@ -6,6 +6,8 @@ kernels: numba itself looks at the file of the outermost one only, and would go 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from hashlib import sha256
 
 import numba
@@ -29,13 +31,57 @@ _folder = kernel_cache(fingerprint())
 if _folder is not None:
     numba.config.CACHE_DIR = str(_folder)
 
-kernel = njit(nogil=True, cache=_folder is not None, error_model="numpy", forceinline=True)
-"""Decorator: compile for the types it is called with, as NumPy computes (x/0 is inf), no operations reordered."""
+_compile = njit(nogil=True, cache=_folder is not None, error_model="numpy", forceinline=True)
+_listeners: list[Callable[[], None]] = []
 
 
-def is_cached() -> bool:
-    """Whether machine code of these kernels is kept from an earlier run."""
-    return _folder is not None and any(_folder.rglob("*.nbi"))
+def kernel(function: Callable) -> Callable:
+    """Decorator: compile for the types it is called with, as NumPy computes (x/0 is inf), no operations reordered."""
+    dispatcher = _compile(function)
+    if not numba.config.DISABLE_JIT:
+        dispatcher._cache = _Kept(dispatcher._cache)
+    return dispatcher
+
+
+def compiles(listener: Callable[[], None]) -> None:
+    """Compile the smallest kernel, or load it; raises whatever stops numba or LLVM on this machine.
+
+    listener: called, once, before anything else is compiled that is not kept from an earlier run.
+    """
+    if numba.config.DISABLE_JIT:
+        raise RuntimeError("NUMBA_DISABLE_JIT is set")
+    _listeners.clear()
+    _one()
+    _listeners.append(listener)
+
+
+class _Kept:
+    """numba's cache of a kernel: what is damaged in it is compiled again, and a full disk keeps nothing."""
+
+    def __init__(self, cache):
+        self._cache = cache
+
+    def __getattr__(self, name: str):
+        return getattr(self._cache, name)
+
+    def load_overload(self, signature, context):
+        """The machine code for a signature, or None."""
+        try:
+            found = self._cache.load_overload(signature, context)
+        except Exception:  # a file that another hand, or a full disk, has spoilt gives any
+            found = None
+        if found is None and _listeners:
+            _listeners.pop()()
+        return found
+
+    def save_overload(self, signature, data) -> None:
+        """Keep machine code, if need be in place of an index that cannot be read."""
+        try:
+            self._cache.save_overload(signature, data)
+        except Exception:
+            with suppress(Exception):
+                self._cache.flush()
+                self._cache.save_overload(signature, data)
 
 
 @intrinsic
@@ -109,8 +155,3 @@ def bytes_at(address, n):
 @kernel
 def _one():
     return 1
-
-
-def compiles() -> None:
-    """Compile the smallest kernel, or load it; raises whatever stops numba or LLVM on this machine."""
-    _one()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pipeline.interrupts import raise_kept
 from pipeline.plant.compiled_slave import CompiledSlave, compiled_port
 from pipeline.plant.cosimulation import Port
 from pipeline.plant.memory import Memory
@@ -13,7 +14,7 @@ from pipeline.simulate import coupling_kernel
 from pipeline.simulate.coupling_kernel import DONE, FOLLOWED, LOOP
 from pipeline.simulate.sensors import Noise
 
-CHUNK = 1000
+CHUNK = 100
 """Samples at a time: between them an interrupt is seen."""
 
 
@@ -59,6 +60,7 @@ def _run(kernel: Callable, parts: tuple[Memory, ...], N: int) -> int:
     records = [part.record for part in parts]
     for first in range(0, N, CHUNK):
         where = kernel(*records, first, min(first + CHUNK, N))
+        raise_kept()
         if where != DONE:
             return where
     return DONE

@@ -56,11 +56,9 @@ def loop_engine(session: Session, simulated: Callable[[str, int], np.ndarray]) -
 def unavailable(narrate: Callable[[str], None]) -> str:
     """Why there is no compiled engine, or "". narrate: told why the first run takes longer."""
     try:
-        from pipeline.plant.kernel import compiles, is_cached
+        from pipeline.plant.kernel import compiles
 
-        if not is_cached():
-            narrate("  compiling the engine, once: less than a minute …")
-        compiles()
+        compiles(lambda: narrate("  compiling the engine for this plant: less than a minute …"))
     except Exception as error:  # whatever numba or LLVM meets on this machine
         return f"numba cannot be used: {_one_line(error)}"
     return ""

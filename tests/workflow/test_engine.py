@@ -84,6 +84,11 @@ def test_without_numba_it_is_python_and_this_is_said(record):
     assert found.used == "python" and "No module named 'numba'" in found.text
 
 
+def test_with_the_jit_switched_off_it_is_python(record, monkeypatch):
+    monkeypatch.setattr("numba.config.DISABLE_JIT", 1)
+    assert choice(record).text == "Python (numba cannot be used: NUMBA_DISABLE_JIT is set)"
+
+
 def test_where_nothing_can_be_compiled_it_is_python(record):
     with patch("pipeline.plant.kernel.compiles", side_effect=RuntimeError("no executable\nmemory")):
         found = choice(record)
