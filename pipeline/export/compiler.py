@@ -13,8 +13,8 @@ from platform import uname
 
 from pipeline.errors import ExportError
 
-# -O1: the generated code is straight; -O2 would save a tenth of an evaluation and take half as long again to compile
-FLAGS = ["-O1", "-fPIC", "-shared", "-std=c11", "-ffp-contract=off", "-fvisibility=hidden", "-fno-math-errno"]
+# -O3 compiles for half as long again as -O1, and a filter through the FMU runs a tenth faster
+FLAGS = ["-O3", "-fPIC", "-shared", "-std=c11", "-ffp-contract=off", "-fvisibility=hidden", "-fno-math-errno"]
 PLATFORMS = {"linux": ("linux64", ".so"), "darwin": ("darwin64", ".dylib"), "win32": ("win64", ".dll")}
 
 ARCHITECTURES = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}

@@ -9,8 +9,8 @@ from __future__ import annotations
 from math import isfinite
 
 from pipeline.plant.kernel import array_at, kernel
+from pipeline.plant.linearise_kernel import linearise
 from pipeline.plant.row_kernel import column, row, set_row, symmetric_row, unit_row, without_tiny, zero_row
-from pipeline.plant.transition_kernel import linearise
 
 
 def filter_fields(n: int, ns: int, p: int, nq: int) -> list[tuple]:

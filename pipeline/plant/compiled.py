@@ -6,18 +6,16 @@ import numpy as np
 
 from pipeline.errors import ConfigError
 from pipeline.interrupts import raise_kept
+from pipeline.plant.linearise_kernel import DIFFERENCES, DIRECTIONAL_DERIVATIVES, linearise_once
 from pipeline.plant.memory import Memory, connect, refuse
 from pipeline.plant.model_exchange import ModelExchangePlant
 from pipeline.plant.regressor_kernel import PLANT_FAILED, POINTS, SINGULAR, accelerate_once, torques
 from pipeline.plant.restored_state import CoSimulationPlant
 from pipeline.plant.steps import EPSILON, floor
 from pipeline.plant.transition_kernel import (
-    DIFFERENCES,
-    DIRECTIONAL_DERIVATIVES,
     MODEL_EXCHANGE,
     RESET,
     RESTORED,
-    linearise_once,
     plant_fields,
     transition_once,
 )
