@@ -33,6 +33,7 @@ if _folder is not None:
 
 _compile = njit(nogil=True, cache=_folder is not None, error_model="numpy", forceinline=True)
 _listeners: list[Callable[[], None]] = []
+_heard: list[Callable[[], None]] = []
 
 
 def kernel(function: Callable) -> Callable:
@@ -46,13 +47,14 @@ def kernel(function: Callable) -> Callable:
 def compiles(listener: Callable[[], None]) -> None:
     """Compile the smallest kernel, or load it; raises whatever stops numba or LLVM on this machine.
 
-    listener: called, once, before anything else is compiled that is not kept from an earlier run.
+    listener: called before anything else is compiled that is not kept from an earlier run; one of a process only.
     """
     if numba.config.DISABLE_JIT:
         raise RuntimeError("NUMBA_DISABLE_JIT is set")
     _listeners.clear()
     _one()
-    _listeners.append(listener)
+    if not _heard:
+        _listeners.append(listener)
 
 
 class _Kept:
@@ -71,7 +73,8 @@ class _Kept:
         except Exception:  # a file that another hand, or a full disk, has spoilt gives any
             found = None
         if found is None and _listeners:
-            _listeners.pop()()
+            _heard.append(_listeners.pop())
+            _heard[-1]()
         return found
 
     def save_overload(self, signature, data) -> None:
