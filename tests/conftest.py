@@ -1,6 +1,7 @@
 """Shared fixtures: the built FMUs, opened archives, the measured data."""
 
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -44,3 +45,13 @@ def emps_data():
             f"no EMPS data in {folder}: get it from the benchmark's site, or name its folder in FMUID_EMPS_DATA"
         )
     return folder
+
+
+@pytest.fixture
+def temporary_folders(tmp_path, monkeypatch):
+    """The test ends without a folder left in the temporary directory."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    yield folder
+    assert not list(folder.iterdir())

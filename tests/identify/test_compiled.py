@@ -1,7 +1,5 @@
 """The compiled filter: the bits of Python's, and the same word on whatever goes wrong, at the same sample."""
 
-import tempfile
-
 import numpy as np
 import pytest
 from msgspec import structs
@@ -11,20 +9,12 @@ from pipeline.plant.binding import load_binding
 from pipeline.plant.plant import open_plant
 from tests.plant.moody import CHATTER, NAN, TERMINATE, build_moody, moody_binding
 
+pytestmark = pytest.mark.usefixtures("temporary_folders")
+
 DT, SAMPLES = 0.01, 40
 TRANSITIONS = [("ME", "euler", 1), ("ME", "rk4", 1), ("ME", "rk4", 4), ("CS", "rk4", 1), ("CS reset", "rk4", 1)]
 PLANTS = ["scara", "scara_fmi3", "scara_inputs", "scara_inputs_fmi3", "emps", "emps_inputs_fmi3"]
 MODES = [("forward", "udu"), ("central", "joseph"), ("directional", "udu"), ("directional", "joseph")]
-
-
-@pytest.fixture(autouse=True)
-def temporary_folders(tmp_path, monkeypatch):
-    """Every test ends without a folder left in the temporary directory."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    yield folder
-    assert not list(folder.iterdir())
 
 
 def record(binding, samples=SAMPLES, seed=1):

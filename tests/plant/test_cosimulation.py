@@ -1,6 +1,5 @@
 """The Co-Simulation slave: values go in and out, every failure is one line, nothing is left behind."""
 
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,8 @@ from pipeline.plant.cosimulation import Slave
 from pipeline.plant.fmu import open_fmu
 from tests.plant.misbehaving import build_misbehaving
 
+pytestmark = pytest.mark.usefixtures("temporary_folders")
+
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
@@ -18,16 +19,6 @@ def fmu(tmp_path_factory):
     if path is None:
         pytest.skip("no C compiler")
     return path
-
-
-@pytest.fixture(autouse=True)
-def temporary_folders(tmp_path, monkeypatch):
-    """Every test ends without a folder left in the temporary directory."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    yield folder
-    assert not list(folder.iterdir())
 
 
 def run(fmu, start, steps=5):

@@ -1,6 +1,5 @@
 """The compiled regressor: the bits of Python's, and the same word on what goes wrong."""
 
-import tempfile
 from ctypes import CFUNCTYPE, POINTER, c_double, c_int, c_size_t, c_void_p, cast
 
 import numpy as np
@@ -14,18 +13,10 @@ from pipeline.plant.binding import load_binding
 from pipeline.plant.plant import open_plant
 from pipeline.plant.probing import InverseModel, probe
 
+pytestmark = pytest.mark.usefixtures("temporary_folders")
+
 ENGINES = ("python", "compiled")
 PLANTS = ("scara", "scara_fmi3", "scara_inputs", "scara_inputs_fmi3", "emps", "emps_fmi3", "emps_inputs")
-
-
-@pytest.fixture(autouse=True)
-def temporary_folders(tmp_path, monkeypatch):
-    """Every test ends without a folder left in the temporary directory."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    yield folder
-    assert not list(folder.iterdir())
 
 
 def motion(n, N=300):

@@ -1,7 +1,6 @@
 """The compiled closed loop: the bits of Python's, and the same word on whatever goes wrong, at the same sample."""
 
 import re
-import tempfile
 
 import numpy as np
 import pandas as pd
@@ -15,17 +14,9 @@ from pipeline.simulate.sensors import draw_noise
 from tests.plant.moody import MOODS, NAN, build_moody
 from tests.simulate.test_closed_loop import EMPS, SCARA
 
+pytestmark = pytest.mark.usefixtures("temporary_folders")
+
 ENGINES = ("python", "compiled")
-
-
-@pytest.fixture(autouse=True)
-def temporary_folders(tmp_path, monkeypatch):
-    """Every test ends without a folder left in the temporary directory."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    yield folder
-    assert not list(folder.iterdir())
 
 
 @pytest.fixture(autouse=True)
