@@ -90,7 +90,7 @@ def _chosen(session: Session, compute: Callable[[str], list[Outcome]]) -> Engine
 
 
 def _difference(python: list[Outcome], compiled: list[Outcome]) -> str:
-    """In words, how the outcomes differ: what failed, by its message, the rest relative to the largest entry; or ""."""
+    """In words, how the outcomes differ: what failed by its message, the rest entry by entry, relative; or ""."""
     apart = []
     for one, other in zip(python, compiled, strict=True):
         if isinstance(one, str) or isinstance(other, str):
